@@ -26,8 +26,8 @@ expect a_missing_volume_is_named 3 "$ISOSHADE" build none.nrrd -o no.iso
 check by_its_name grep -q none.nrrd err
 head -c 3000 v.nrrd >short.nrrd
 expect a_truncated_volume_is_refused 4 "$ISOSHADE" build short.nrrd -o no.iso
-printf '\x00\x00\xc0\x7f\x00\x00\x80\x3f' >nan.raw
-expect voxels_that_are_not_finite_are_refused 5 "$ISOSHADE" build nan.raw --raw-size 2x1x1 --raw-type float -o no.iso
+printf '\x00\x00\x80\x7f\x00\x00\x80\x3f' >infinite.raw
+expect voxels_that_are_not_finite_are_refused 5 "$ISOSHADE" build infinite.raw --raw-size 2x1x1 --raw-type float -o no.iso
 expect an_unknown_filter_is_refused 2 "$ISOSHADE" build v.nrrd --direction-filter median -o no.iso
 check with_the_list grep -q 'moments' err
 expect zero_levels_are_refused 2 "$ISOSHADE" build v.nrrd --levels 0 -o no.iso

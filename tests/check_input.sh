@@ -61,7 +61,12 @@ refuse sizes_overflow 5 'huge.nrrd: sizes 5000000000' "$ISOSHADE" info huge.nrrd
 header uchar '2 2 2' >long.nrrd; printf 123456789 >>long.nrrd
 refuse sizes_do_not_match 4 'long.nrrd: too long: holds 9 bytes' "$ISOSHADE" info long.nrrd
 header float '1 1 2' >nan.nrrd; printf '\0\0\0\0\0\0\300\177' >>nan.nrrd
-refuse nan_voxel 5 'nan.nrrd: 1 of 2 voxels are NaN or infinite, none may be; the first is (0, 0, 1)' "$ISOSHADE" info nan.nrrd
+accept nan_is_no_data 'no data    1 of 2 voxels' info nan.nrrd
+refuse nan_voxel 5 'nan.nrrd: 1 of 2 voxels are NaN or infinite, none may be; the first is (0, 0, 1)' "$ISOSHADE" info nan.nrrd --no-data none
+refuse no_voxel 5 'nan.nrrd: none of its 2 voxels has data' "$ISOSHADE" info nan.nrrd --no-data 0
+accept a_value_without_data 'no data    2 of 8 voxels' info scaled.nrrd --no-data 22.5,23
+refuse a_rule_for_labels 2 'labels are integers' "$ISOSHADE" info plain.raw --raw-size 40x56x33 --raw-type int16 --labels --no-data 1
+refuse an_unknown_rule 2 '--no-data is "2,1", must be a value' "$ISOSHADE" info nan.nrrd --no-data 2,1
 header float '1 1 2' >inf.nrrd; printf '\0\0\200\377\0\0\0\0' >>inf.nrrd
 refuse inf_voxel 5 'the first is (0, 0, 0)' "$ISOSHADE" info inf.nrrd
 refuse missing_file 3 'absent.nrrd: cannot be opened' "$ISOSHADE" info absent.nrrd
@@ -76,7 +81,16 @@ check options_stand_anywhere_in_any_environment env POSIXLY_CORRECT=1 "$ISOSHADE
 refuse unknown_option 2 '--sizes' "$ISOSHADE" make ramp --sizes 3 -o x.nrrd
 refuse raw_half_given 2 'both --raw-size and --raw-type' "$ISOSHADE" info plain.raw --raw-size 3
 refuse raw_wrong_size 4 'plain.raw: truncated: holds 147840 bytes' "$ISOSHADE" info plain.raw --raw-size 40x56x34 --raw-type int16
-refuse raw_unknown_type 2 'uint8, int8, uint16' "$ISOSHADE" info plain.raw --raw-size 3 --raw-type half
+refuse raw_unknown_type 2 'uint8, int8, uint16' "$ISOSHADE" info plain.raw --raw-size 3 --raw-type float128
+printf '\0\74\0\300' >half.raw # 1, -2
+accept raw_halves 'range      -2 to 1' info half.raw --raw-size 2x1x1 --raw-type float16
+printf '\376\377\377\377\377\377\377\377\7\0\0\0\0\0\0\0the end' >long.raw
+accept raw_integers_of_64_bits 'voxels of int32' info long.raw --raw-size 2x1x1 --raw-type int64
+accept with_their_values 'range      -2 to 7' info long.raw --raw-size 2x1x1 --raw-type int64
+check a_trailer_is_left_out_with_a_warning grep -q 'long.raw: the 7 bytes after its samples are left out' err
+gzip -k long.raw
+accept packed_too 'range      -2 to 7' info long.raw.gz --raw-size 2x1x1 --raw-type int64
+refuse a_plane_more_is_no_trailer 4 'too long' "$ISOSHADE" info long.raw --raw-size 1x1x2 --raw-type uint16
 refuse raw_bad_spacing 2 '--raw-spacing is 0' "$ISOSHADE" info plain.raw --raw-size 3 --raw-type uint8 --raw-spacing 0
 refuse make_unknown_kind 2 'unknown kind "blob"' "$ISOSHADE" make blob --size 3 -o x.nrrd
 refuse make_zero_size 2 '--size is "0x3x3"' "$ISOSHADE" make ramp --size 0x3x3 -o x.nrrd

@@ -145,7 +145,7 @@ static void counts_do_not_depend_on_threads_or_slabs(void **state)
     assert_same_joint(&whole, &other);
     iso_joint_destroy(&other);
     iso_joint_builder *b;
-    const iso_joint_shape shape = {whole.z, whole.s, 1, {n[0], n[1], n[2]}, {m[0], m[1], m[2]}, 2};
+    const iso_joint_shape shape = {whole.z, whole.s, 1, {n[0], n[1], n[2]}, {m[0], m[1], m[2]}, 2, false};
     assert_ok(iso_joint_begin(&shape, 2, &b, &err));
     for (size_t z = 0; z < n[2]; z += 3) {
         size_t end = z + 3 < n[2] ? z + 3 : n[2], first, count;

@@ -262,12 +262,35 @@ static void too_little_memory_is_refused_with_what_is_needed(void **state)
     free(b);
 }
 
-static void nan_is_refused_and_leaves_nothing(void **state)
+static void voxels_without_data_are_streamed_with_the_same_bytes(void **state)
+{
+    (void)state;
+    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
+         *b = iso_path_join(folder, "h.iso");
+    const job j = jobs[1];
+    iso_volume v = make_volume(j.size, ISO_F32, source), loaded;
+    for (size_t i = 0; i < 2000; ++i)
+        ((float *)v.data)[7 * i % iso_geometry_voxel_count(&v.geometry)] = NAN;
+    assert_ok(iso_volume_save(&v, source, false, &err));
+    assert_ok(iso_volume_load(source, &loaded, &err));
+    build_in_memory(&j, &loaded, source, a);
+    stream(&j, source, b, 2, (iso_stream_options){.max_slab = 16}, ISO_OK);
+    const char *differs = first_difference(a, b);
+    if (differs)
+        fail_msg("%s differs", differs);
+    iso_volume_destroy(&v);
+    iso_volume_destroy(&loaded);
+    free(source);
+    free(a);
+    free(b);
+}
+
+static void an_infinite_value_is_refused_and_leaves_nothing(void **state)
 {
     (void)state;
     char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "g.iso"), *partial = partial_of("g.iso");
     iso_volume v = make_volume(jobs[1].size, jobs[1].type, source);
-    ((float *)v.data)[1000] = NAN;
+    ((float *)v.data)[1000] = INFINITY;
     assert_ok(iso_volume_save(&v, source, false, &err));
     stream(&jobs[1], source, b, 2, (iso_stream_options){0}, ISO_E_RANGE);
     assert_false(iso_path_exists(b));
@@ -332,7 +355,8 @@ int main(void)
         cmocka_unit_test(what_does_not_fit_is_not_taken_up),
         cmocka_unit_test(files_shorter_than_the_progress_says_are_refused),
         cmocka_unit_test(too_little_memory_is_refused_with_what_is_needed),
-        cmocka_unit_test(nan_is_refused_and_leaves_nothing),
+        cmocka_unit_test(voxels_without_data_are_streamed_with_the_same_bytes),
+        cmocka_unit_test(an_infinite_value_is_refused_and_leaves_nothing),
         cmocka_unit_test(a_file_that_somebody_puts_into_an_unfinished_folder_is_not_listed),
         cmocka_unit_test(nor_does_it_go_with_a_folder_that_is_abandoned),
     };

@@ -11,6 +11,7 @@
 #include "base/embed.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "pyramid/narrow.h"
 
 ISO_EMBED(iso_paraview_state_py, "exporters/paraview/state.py");
 
@@ -75,6 +76,7 @@ static void put_header(FILE *f, const iso_level *level)
 
 static iso_status write_vti(const iso_level *level, const char *path, iso_error *err)
 {
+    enum { BLOCK = 1024 };
     FILE *f = fopen(path, "wb");
     if (!f)
         return iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
@@ -82,7 +84,12 @@ static iso_status write_vti(const iso_level *level, const char *path, iso_error 
     const uint64_t bytes = count * sizeof *level->scalar;
     put_header(f, level);
     bool good = fwrite(&bytes, sizeof bytes, 1, f) == 1;
-    good = fwrite(level->scalar, sizeof *level->scalar, count, f) == count && good;
+    float values[BLOCK];
+    for (size_t at = 0; at < count && good; at += BLOCK) {
+        const size_t n = count - at < BLOCK ? count - at : BLOCK;
+        iso_level_file_scalars(level, NULL, at, n, values);
+        good = fwrite(values, sizeof *values, n, f) == n;
+    }
     good = fprintf(f, "\n  </AppendedData>\n</VTKFile>\n") > 0 && good;
     good = fclose(f) == 0 && good;
     return good ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written whole", path);

@@ -52,6 +52,9 @@ static iso_df3_coding scalar_coding(const iso_level *level, double quantum, unsi
     iso_df3_coding coding;
     if (level->labels)
         return label_coding(level);
+    if (level->geometry.has_no_data)
+        return (iso_df3_coding){bits > 16 ? bits : 16, (double)iso_level_stand_in(level, ISO_STAND_IN_FILE),
+                                level->max};
     switch (level->stored_type) {
     case ISO_U8: return (iso_df3_coding){8, 0, 255};
     case ISO_I8: return (iso_df3_coding){8, -128, 127};
@@ -116,7 +119,7 @@ typedef struct layer_reader {
 static void read_scalars(const void *user, size_t first, size_t count, float *out)
 {
     const layer_reader *r = user;
-    iso_level_scalars(r->level, r->volume, first, count, out);
+    iso_level_file_scalars(r->level, r->volume, first, count, out);
 }
 
 static void read_codes(const void *user, size_t first, size_t count, float *out)

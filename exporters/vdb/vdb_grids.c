@@ -22,7 +22,7 @@ static size_t voxel_at(const iso_geometry *g, size_t x, size_t y, size_t z)
 static void read_scalar(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
 {
     const iso_vdb_grids *s = user;
-    iso_level_scalars(s->level, s->volume, voxel_at(&s->level->geometry, x, y, z), count, out);
+    iso_level_file_scalars(s->level, s->volume, voxel_at(&s->level->geometry, x, y, z), count, out);
 }
 
 static void read_directions(const void *user, size_t x, size_t y, size_t z, size_t count, float *out)
@@ -149,7 +149,7 @@ static bool are_halves(const iso_level *level, const iso_volume *volume)
         return true;
     for (size_t at = 0; at < count; at += BLOCK) {
         const size_t n = count - at < BLOCK ? count - at : BLOCK;
-        iso_level_scalars(level, volume, at, n, values);
+        iso_level_file_scalars(level, volume, at, n, values);
         for (size_t i = 0; i < n; ++i)
             if (!is_half(values[i]))
                 return false;

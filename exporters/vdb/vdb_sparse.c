@@ -119,7 +119,7 @@ static void count_values(const iso_level *level, const iso_volume *volume, doubl
     float values[BLOCK];
     for (size_t at = 0; at < voxels; at += BLOCK) {
         const size_t n = voxels - at < BLOCK ? voxels - at : BLOCK;
-        iso_level_scalars(level, volume, at, n, values);
+        iso_level_file_scalars(level, volume, at, n, values);
         for (size_t i = 0; i < n; ++i)
             ++bins[(size_t)within(((double)values[i] - first) / width, BIN_COUNT - 1)];
     }
@@ -155,7 +155,9 @@ static float choose_background(const shown_test *t, const iso_level *level, cons
 static iso_status find_background(const shown_test *t, const iso_level *level, const iso_volume *volume,
                                   const iso_vdb_shown *shown, float *background, iso_error *err)
 {
-    *background = shown->has_background ? (float)shown->background : choose_background(t, level, volume);
+    *background = shown->has_background         ? (float)shown->background
+                  : level->geometry.has_no_data ? iso_level_stand_in(level, ISO_STAND_IN_FILE)
+                                                : choose_background(t, level, volume);
     if (!t->plain && shown->has_background && shows(t, *background, *background))
         return iso_fail(err, ISO_E_RANGE, "background %g is visible under the transfer function; choose another",
                         shown->background);
@@ -190,7 +192,8 @@ static void read_voxels(const marker *m, size_t y, size_t z, float *out)
 {
     const size_t *n = m->level->geometry.size;
     float *row = out + m->pad;
-    iso_level_scalars(m->level, m->volume, n[0] * (clamped(y, m->pad, n[1]) + n[1] * clamped(z, m->pad, n[2])), n[0], row);
+    const size_t first = n[0] * (clamped(y, m->pad, n[1]) + n[1] * clamped(z, m->pad, n[2]));
+    iso_level_file_scalars(m->level, m->volume, first, n[0], row);
     for (size_t x = 0; x < m->pad; ++x) {
         out[x] = row[0];
         row[n[0] + x] = row[n[0] - 1];

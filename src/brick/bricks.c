@@ -167,6 +167,9 @@ iso_status iso_node_levels_measure(iso_node_levels *n, const iso_level *level0, 
                            .brick_voxels = brick_voxels,
                            .level_count = level_count};
     iso_status status = check(brick_voxels, level_count, err);
+    if (status == ISO_OK && level0->geometry.has_no_data)
+        status = iso_fail(err, ISO_E_RANGE,
+                          "bricks of mixed levels: some voxels have no data, which nodes would average; use one level");
     for (int a = 0; a < 3 && status == ISO_OK; ++a) {
         size_t cells = level0->geometry.size[a] - 1;
         n->count[a] = cells > 0 ? (cells + brick_voxels - 1) / brick_voxels : 1;

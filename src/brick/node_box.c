@@ -132,7 +132,7 @@ void iso_voxel_box_moments(const iso_voxel_box *v, size_t x, size_t y, size_t z,
 {
     const size_t nx = v->size[0], at = x - v->first[0];
     float *const g[3] = {v->scratch, v->scratch + nx, v->scratch + 2 * nx};
-    const iso_planes planes = {v->values, ISO_F32, {nx, v->size[1], v->size[2]}, 0, v->size[2]};
+    const iso_planes planes = {v->values, ISO_F32, {nx, v->size[1], v->size[2]}, 0, v->size[2], false};
     iso_gradient_row(&planes, iso_gradient_defaults().method, &v->of->matrix, y - v->first[1], z - v->first[2],
                      v->scratch + 3 * nx, g);
     moments_row(v->of->unit, g[0] + at, g[1] + at, g[2] + at, count, rows);

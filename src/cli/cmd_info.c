@@ -103,6 +103,8 @@ static void print_text(const char *path, const iso_overview *f)
         printf("  %c axis     %.6g, %.6g, %.6g\n", 'x' + a, d.x, d.y, d.z);
     }
     printf("  range      %.9g to %.9g, mean %.6g\n", f->stats.min, f->stats.max, f->stats.mean);
+    if (f->stats.no_data_count > 0)
+        printf("  no data    %zu of %zu voxels\n", f->stats.no_data_count, iso_geometry_voxel_count(g));
     printf("  percentiles");
     for (int p = 0; p < ISO_OVERVIEW_PERCENTS; ++p)
         printf("  %g %%: %.5g", iso_overview_percents[p], f->percentile[p]);
@@ -141,6 +143,7 @@ static void print_json(const iso_cli *cli, const char *path, const iso_overview 
     json_object_set_new(root, "min", json_real(f->stats.min));
     json_object_set_new(root, "max", json_real(f->stats.max));
     json_object_set_new(root, "mean", json_real(f->stats.mean));
+    json_object_set_new(root, "no_data_voxels", json_integer((json_int_t)f->stats.no_data_count));
     json_object_set_new(root, "percents", iso_json_numbers(iso_overview_percents, ISO_OVERVIEW_PERCENTS));
     json_object_set_new(root, "percentiles", iso_json_numbers(f->percentile, ISO_OVERVIEW_PERCENTS));
     json_object_set_new(root, "histogram", integers(f->bins, ISO_OVERVIEW_BINS));
@@ -392,7 +395,7 @@ const iso_command iso_command_info = {
         "pyramid from its level 0, with its own options, and compares every bit. This finds a level of another volume\n"
         "even if its checksum is right. Joint histograms that tf adapt stored in the folder are counted again.\n"
         "Exit code 1: a level does not follow from level 0, or a histogram does not match the levels.",
-    .common = "verify histogram spacing unit series frame channel stored labels raw-size raw-type",
+    .common = "verify histogram spacing unit series frame channel no-data stored labels raw-size raw-type",
     .examples = "  isoshade make sphere --size 48 -o sphere.nrrd\n"
                 "  isoshade info sphere.nrrd\n"
                 "  isoshade info sphere.nrrd --json\n"

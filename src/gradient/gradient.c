@@ -59,7 +59,8 @@ iso_status iso_gradient_slab(const iso_volume *v, const iso_gradient_options *op
     if (!scratch)
         return iso_fail(err, ISO_E_MEMORY, "gradient: no memory for %d threads' rows of %zu voxels", threads, nx);
     const iso_gradient_matrix matrix = iso_gradient_matrix_from(iso_geometry_gradient_to_world(&v->geometry));
-    const iso_planes planes = {.data = v->data, .type = v->type, .size = {nx, ny, n[2]}, .count = n[2]};
+    const iso_planes planes = {.data = v->data, .type = v->type, .size = {nx, ny, n[2]}, .count = n[2],
+                               .has_no_data = v->geometry.has_no_data};
     const size_t row_count = ny * (z1 - z0);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < row_count; ++i) {

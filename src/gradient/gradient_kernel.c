@@ -102,10 +102,55 @@ size_t iso_gradient_scratch_count(size_t nx)
     return 2 * nx + 2 * ISO_GRADIENT_MOST_REACH;
 }
 
+/* ---- next to voxels without data ---- */
+
+typedef struct sample {
+    float value;
+    bool is_there;
+} sample;
+
+/* Returns a sample; outside of the volume none is there. */
+static sample sample_at(const iso_planes *p, ptrdiff_t x, size_t y, size_t z)
+{
+    if (x < 0 || (size_t)x >= p->size[0] || y >= p->size[1] || z >= p->size[2])
+        return (sample){0, false};
+    const void *row = iso_planes_row_at(p, y, z);
+    const float value = p->type == ISO_F32 ? ((const float *)row)[x] : (float)((const double *)row)[x];
+    return (sample){value, !iso_is_no_data(value)};
+}
+
+/* Returns the difference per voxel by the neighbors that are there. */
+static float difference(sample before, sample at, sample after)
+{
+    if (before.is_there && after.is_there)
+        return 0.5f * (after.value - before.value);
+    return after.is_there ? after.value - at.value : before.is_there ? at.value - before.value : 0;
+}
+
+static void no_data_row(const iso_planes *p, const iso_gradient_matrix *matrix, size_t y, size_t z, float *const g[3])
+{
+    const float *m = matrix->m;
+    for (size_t i = 0; i < p->size[0]; ++i) {
+        const ptrdiff_t x = (ptrdiff_t)i;
+        const sample at = sample_at(p, x, y, z);
+        float d[3] = {0, 0, 0};
+        if (at.is_there) {
+            d[0] = difference(sample_at(p, x - 1, y, z), at, sample_at(p, x + 1, y, z));
+            d[1] = difference(sample_at(p, x, y - 1, z), at, sample_at(p, x, y + 1, z));
+            d[2] = difference(sample_at(p, x, y, z - 1), at, sample_at(p, x, y, z + 1));
+        }
+        for (size_t a = 0; a < 3; ++a)
+            g[a][i] = m[3 * a] * d[0] + m[3 * a + 1] * d[1] + m[3 * a + 2] * d[2];
+    }
+}
+
 void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
                       size_t z, float *scratch, float *const g[3])
 {
-    iso_gradient_describe(method)->row(p, method, matrix, y, z, scratch, g);
+    if (p->has_no_data && (p->type == ISO_F32 || p->type == ISO_F64))
+        no_data_row(p, matrix, y, z, g);
+    else
+        iso_gradient_describe(method)->row(p, method, matrix, y, z, scratch, g);
 }
 
 ISO_SIMD void iso_add_weighted_row(float weight, const float *restrict row, size_t n, float *restrict sum)

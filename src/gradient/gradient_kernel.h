@@ -12,6 +12,7 @@ typedef struct iso_planes {
     iso_type type;
     size_t size[3]; /* of the whole volume */
     size_t first, count;
+    bool has_no_data; /* some samples are ISO_NO_DATA */
 } iso_planes;
 
 /* Sample types of the kernels: X(type, suffix, type in C, type that holds a difference exactly or in float). */
@@ -43,7 +44,8 @@ iso_gradient_matrix iso_gradient_matrix_from(iso_mat3 to_world);
 size_t iso_gradient_scratch_count(size_t nx);
 
 /* Computes gradients of the row (y, z), times the matrix, into the planar rows g. The volume's planes within reach
- * must be in memory. */
+ * must be in memory. If the planes have voxels without data, gradients are central differences, one-sided next to these
+ * voxels, and zero in them. */
 void iso_gradient_row(const iso_planes *p, iso_gradient_method method, const iso_gradient_matrix *matrix, size_t y,
                       size_t z, float *scratch, float *const g[3]);
 

@@ -40,7 +40,8 @@ static const struct {
     const char *subject, *names;
 } subjects[] = {
     {"files without a header", " raw-size raw-type raw-spacing raw-big-endian raw-skip "},
-    {"reading a volume", " spacing unit series frame frames channel resample force-spacing stored labels no-labels "},
+    {"reading a volume", " spacing unit series frame frames channel no-data resample force-spacing stored labels "
+                         "no-labels "},
     {"transfer function", " name unit-distance opacity range bits always "},
     {"levels", " level-views level-size extinction-scale tf-2d adapt gauss-radius gauss-sigma eq1-exponent keep-float "
                "keep-magnitude direction-filter scalar-filter estimator code filters codes estimators "},

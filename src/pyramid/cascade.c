@@ -112,7 +112,7 @@ typedef struct tile {
 /* Returns where a row's scalars stand in the sums of two rows. Labels are not added: the second row follows. */
 static float *scalar_of(const iso_cascade *c, float *acc, size_t stride, bool add)
 {
-    return acc + (c->state_count + (c->majority && add ? 1 : 0)) * stride;
+    return acc + (c->state_count + (c->are_apart && add ? 1 : 0)) * stride;
 }
 
 static void level0_row(tile *t, size_t y, size_t z, float *acc, bool add)
@@ -121,7 +121,7 @@ static void level0_row(tile *t, size_t y, size_t z, float *acc, bool add)
     const size_t n = c->size[0][0], stride = row_stride(c, 0);
     emit_rows *r = &t->rows;
     float range[2] = {t->lo[0], t->hi[0]};
-    iso_scalar_row(t->in, y, z, r->row, scalar_of(c, acc, stride, add), add && !c->majority, range);
+    iso_scalar_row(t->in, y, z, r->row, scalar_of(c, acc, stride, add), add && !c->are_apart, range);
     t->lo[0] = range[0], t->hi[0] = range[1];
     if (t->out[0].scalar && z >= t->out[0].first)
         memcpy(t->out[0].scalar + ((z - t->out[0].first) * c->size[0][1] + y) * n, r->row, n * sizeof(float));
@@ -154,7 +154,7 @@ static void add_row(const tile *t, size_t k, const float *own, float *acc, bool 
     const iso_cascade *c = t->c;
     for (size_t i = 0; i < c->state_count; ++i)
         iso_accumulate_row(own + i * stride, n, acc + i * stride, add);
-    iso_accumulate_row(own + c->state_count * stride, n, scalar_of(c, acc, stride, add), add && !c->majority);
+    iso_accumulate_row(own + c->state_count * stride, n, scalar_of(c, acc, stride, add), add && !c->are_apart);
 }
 
 static void load_carried(tile *t, size_t k, size_t y, size_t z, float *own)
@@ -207,16 +207,17 @@ static void make_row(tile *t, size_t k, size_t y, size_t z, float *acc, bool add
         if (two_y)
             make_row(t, k - 1, 2 * y + 1, 2 * z + half, sum, true);
         for (size_t i = 0; !two_y && i <= c->state_count; ++i)
-            iso_double_row(sum + i * stride, c->majority && i == c->state_count ? 0 : fine[0]);
+            iso_double_row(sum + i * stride, c->are_apart && i == c->state_count ? 0 : fine[0]);
     }
-    const size_t means = c->state_count + (c->majority ? 0 : 1);
+    const size_t means = c->state_count + (c->are_apart ? 0 : 1);
     for (size_t i = 0; i < means; ++i)
         iso_mean_row(t->acc[k - 1][0] + i * stride, t->acc[k - 1][two_z] + i * stride, fine[0],
                      own + i * coarse_stride);
-    if (c->majority) {
+    if (c->are_apart) {
         const float *a = t->acc[k - 1][0] + means * stride, *b = t->acc[k - 1][two_z] + means * stride;
         const size_t second = two_y ? stride : 0;
-        iso_majority_row((const float *const[]){a, a + second, b, b + second}, fine[0], own + means * coarse_stride);
+        const float *const rows[4] = {a, a + second, b, b + second};
+        (c->majority ? iso_majority_row : iso_valid_mean_row)(rows, fine[0], own + means * coarse_stride);
     }
     store_coarse(t, k, y, z, own);
     if (k < t->top)
@@ -227,7 +228,7 @@ static size_t tile_scratch_count(const iso_cascade *c)
 {
     size_t count = iso_emit_rows_count(c);
     for (size_t k = 0; k < c->level_count; ++k)
-        count += 3 * (c->state_count + 1 + c->majority) * row_stride(c, k);
+        count += 3 * (c->state_count + 1 + c->are_apart) * row_stride(c, k);
     return count;
 }
 
@@ -238,7 +239,7 @@ static tile make_tile(iso_cascade *c, const iso_planes *in, const iso_cascade_ou
     scratch s = {memory};
     t.rows = iso_take_emit_rows(c, &s);
     for (size_t k = 0; k <= top; ++k) {
-        const size_t count = (c->state_count + 1 + c->majority) * row_stride(c, k);
+        const size_t count = (c->state_count + 1 + c->are_apart) * row_stride(c, k);
         t.acc[k][0] = take(&s, count);
         t.acc[k][1] = take(&s, count);
         t.own[k] = take(&s, count);
@@ -318,11 +319,24 @@ static void set_up(iso_cascade *c, const iso_geometry *g, double scale)
     }
     c->only_sums_up = opt->direction_filter == ISO_DIRECTION_AUTO && !opt->choice.is_made;
     c->majority = opt->scalar_filter == ISO_SCALAR_MAJORITY;
+    c->are_apart = c->majority || g->has_no_data;
     c->scalar_means = opt->scalar_filter == ISO_SCALAR_MEAN || c->majority;
     c->state_count = opt->direction_filter == ISO_DIRECTION_EQ1 ? 0 : iso_state_count(opt->direction_filter);
     c->tile_top = c->level_count - 1 < CARRY_LEVEL ? c->level_count - 1 : CARRY_LEVEL;
     if (opt->scalar_filter == ISO_SCALAR_GAUSS && c->state_count == 0)
         c->tile_top = 0; /* only level 0's scalars are left */
+}
+
+/* Refuses filters and estimators that read more than a voxel's children or neighbors: they would need data there. */
+static iso_status check_no_data(const iso_pyramid_options *opt, iso_error *err)
+{
+    if (opt->scalar_filter != ISO_SCALAR_MEAN && opt->scalar_filter != ISO_SCALAR_MAJORITY)
+        return iso_fail(err, ISO_E_RANGE, "some voxels have no data: the scalar filter is %s, must be mean",
+                        iso_scalar_filter_name(opt->scalar_filter));
+    return opt->gradient.method == ISO_GRADIENT_CENTRAL
+               ? ISO_OK
+               : iso_fail(err, ISO_E_RANGE, "some voxels have no data: the estimator is %s, must be central",
+                          iso_gradient_name(opt->gradient.method));
 }
 
 iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_pyramid_options *opt, double scale,
@@ -331,6 +345,8 @@ iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_py
     (void)type;
     iso_status status = ISO_OK;
     *out = NULL;
+    if (g->has_no_data && (status = check_no_data(opt, err)) != ISO_OK)
+        return status;
     iso_cascade *c = calloc(1, sizeof *c);
     if (!c)
         return iso_fail(err, ISO_E_MEMORY, "pyramid: out of memory");

@@ -38,6 +38,8 @@ struct iso_cascade {
     size_t state_count; /* components of the state it carries; 0: directions have a Gaussian filter */
     bool scalar_means;  /* True if scalars are means or majorities; otherwise they have a filter of their own */
     bool majority;      /* of labels */
+    bool are_apart;     /* True if the four rows of a mean are kept, instead of their sums: of labels, and of voxels of
+                         * which some have no data */
     float *carry;       /* states and scalars of level tile_top, if there are levels above it */
     bool only_sums_up;  /* nothing is chosen yet: the levels' agreement is measured, nothing is stored */
     iso_agreement agreement[MAX_LEVELS];

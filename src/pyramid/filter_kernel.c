@@ -178,7 +178,7 @@ ISO_SIMD __attribute__((optimize("finite-math-only", "no-signed-zeros"))) void i
 {
     float low = *lo, high = *hi;
     for (size_t i = 0; i < n; ++i) {
-        low = row[i] < low ? row[i] : low;
+        low = row[i] < low && row[i] != ISO_NO_DATA ? row[i] : low;
         high = row[i] > high ? row[i] : high;
     }
     *lo = low;
@@ -279,6 +279,21 @@ void iso_majority_row(const float *const rows[4], size_t n, float *restrict out)
         for (int c = 0; c < 8; ++c)
             label[c] = rows[c / 2][x[c % 2]];
         out[i] = majority_of(label);
+    }
+}
+
+void iso_valid_mean_row(const float *const rows[4], size_t n, float *restrict out)
+{
+    for (size_t i = 0; i < (n + 1) / 2; ++i) {
+        const size_t x[2] = {2 * i, 2 * i + 1 < n ? 2 * i + 1 : 2 * i};
+        double sum = 0;
+        int count = 0;
+        for (int c = 0; c < 8; ++c) {
+            const float value = rows[c / 2][x[c % 2]];
+            sum += iso_is_no_data(value) ? 0 : (double)value;
+            count += !iso_is_no_data(value);
+        }
+        out[i] = count ? (float)(sum / count) : ISO_NO_DATA;
     }
 }
 

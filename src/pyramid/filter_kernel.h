@@ -57,6 +57,8 @@ void iso_mean_row(float *restrict a, float *restrict b, size_t n, float *restric
 /* Gets the majority label of each 2x2x2; ties go to the largest. Four rows of n labels; the last label of an odd n
  * counts twice. */
 void iso_majority_row(const float *const rows[4], size_t n, float *restrict out);
+/* Computes the mean of those of each 2x2x2 that have data; ISO_NO_DATA if none has. Rows as above. */
+void iso_valid_mean_row(const float *const rows[4], size_t n, float *restrict out);
 /* Reduces n fine values to (n + 1) / 2 weighted sums; the edge value is repeated. `padded` holds n + 2 radius
  * floats. */
 void iso_taps_row(const iso_taps *taps, const float *restrict row, size_t n, float *restrict padded,
@@ -81,6 +83,7 @@ void iso_direction_rows(iso_direction_filter f, const iso_state_row *state, size
 void iso_interleave_rows(const float *dx, const float *dy, const float *dz, size_t n, float *restrict out);
 /* Packs the low three bytes of each word; `bytes` holds 3 n + 16 bytes. */
 void iso_unpack_bytes(const uint32_t *packed, size_t n, uint8_t *restrict bytes);
+/* Extends lo and hi to the row's values, without ISO_NO_DATA. */
 void iso_row_range(const float *row, size_t n, float *lo, float *hi);
 void iso_scale_row(float *row, size_t n, float factor);
 

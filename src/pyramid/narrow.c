@@ -29,6 +29,15 @@ ISO_SIMD void iso_level_scalars(const iso_level *level, const iso_volume *volume
     }
 }
 
+void iso_level_file_scalars(const iso_level *level, const iso_volume *volume, size_t first, size_t count,
+                            float *restrict out)
+{
+    iso_level_scalars(level, volume, first, count, out);
+    const float stand_in = iso_level_stand_in(level, ISO_STAND_IN_FILE);
+    for (size_t i = 0; level->geometry.has_no_data && i < count; ++i)
+        out[i] = iso_is_no_data(out[i]) ? stand_in : out[i];
+}
+
 /* ---- codes of a box ---- */
 
 iso_status iso_narrow_codes_begin(iso_narrow_codes *c, const iso_pyramid *p, const iso_volume *v, iso_error *err)
@@ -81,7 +90,8 @@ static const void *box_samples(const iso_narrow_codes *c, void **own)
 static iso_status make_codes(iso_narrow_codes *c, const void *samples, iso_error *err)
 {
     const size_t *size = c->size;
-    const iso_planes planes = {samples, c->volume->type, {size[0], size[1], size[2]}, 0, size[2]};
+    const iso_planes planes = {samples, c->volume->type, {size[0], size[1], size[2]}, 0, size[2],
+                               c->volume->geometry.has_no_data};
     const iso_cascade_out out = {.codes = c->codes};
     iso_geometry g = c->volume->geometry;
     iso_cascade *cascade;

@@ -11,6 +11,21 @@
 iso_status iso_pyramid_build_narrow(const iso_volume *v, const char *source, const iso_pyramid_options *opt,
                                     iso_pyramid *out, const iso_progress *progress, iso_error *err);
 
+/* Returns the value that voxels without data have where a format or a device has to interpolate them: `ranges` of the
+ * level's range below its least value, where transfer functions show nothing. In the cells next to these voxels the
+ * interpolated value leaves the range within 1 / ranges of a cell. */
+static inline float iso_level_stand_in(const iso_level *level, double ranges)
+{
+    const double range = level->max - level->min, size = level->max < 0 ? -level->max : level->max;
+    return (float)(level->min - ranges * (range > 1e-6 * size ? range : size > 0 ? size : 1));
+}
+/* For devices, and for files of programs that may keep 16 bits of a value. */
+#define ISO_STAND_IN_DEVICE 0x1p20
+#define ISO_STAND_IN_FILE 16
+/* Copies scalars like iso_level_scalars(), those without data as iso_level_stand_in(). */
+void iso_level_file_scalars(const iso_level *level, const iso_volume *volume, size_t first, size_t count,
+                            float *restrict out);
+
 /* Copies the scalars of `count` voxels from number `first` on, from the level or, if it has none, from the volume. */
 void iso_level_scalars(const iso_level *level, const iso_volume *volume, size_t first, size_t count,
                        float *restrict out);

@@ -203,7 +203,8 @@ static iso_status build_levels(const iso_volume *v, double scale, bool narrow, i
     iso_cascade *cascade = NULL;
     iso_cascade_out out[32];
     const size_t nz = v->geometry.size[2];
-    const iso_planes planes = {v->data, v->type, {v->geometry.size[0], v->geometry.size[1], nz}, 0, nz};
+    const iso_planes planes = {v->data, v->type, {v->geometry.size[0], v->geometry.size[1], nz}, 0, nz,
+                               v->geometry.has_no_data};
     iso_status status = iso_agreement_choose_for(&planes, &g, scale, &p->options, progress, err);
     TRY(status, iso_cascade_create(&g, v->type, opt, scale, &cascade, err));
     for (size_t k = 0; k < p->level_count && status == ISO_OK; ++k) {

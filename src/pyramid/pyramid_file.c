@@ -163,6 +163,7 @@ static void geometry_from_json(iso_json_reader *r, const json_t *object, iso_geo
     iso_json_get_numbers(r, object, "origin_mm", true, &(iso_json_list){&g->origin_mm.x, 3, -DBL_MAX, DBL_MAX});
     iso_json_get_numbers(r, object, "box_index", true, &(iso_json_list){g->box_index, 3, 0, 1u << 24});
     iso_json_get_bool(r, object, "is_patient", false, &g->is_patient);
+    iso_json_get_bool(r, object, "has_no_data", false, &g->has_no_data);
     for (int a = 0; a < 3 && r->status == ISO_OK; ++a) {
         g->size[a] = (size_t)size[a];
         if ((double)g->size[a] != size[a])

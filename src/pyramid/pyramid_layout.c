@@ -66,6 +66,8 @@ json_t *iso_layout_geometry(const iso_geometry *g)
                                iso_json_numbers(&g->origin_mm.x, 3), "box_index", iso_json_numbers(g->box_index, 3));
     if (g->is_patient)
         json_object_set_new(object, "is_patient", json_true());
+    if (g->has_no_data)
+        json_object_set_new(object, "has_no_data", json_true());
     return object;
 }
 

@@ -105,7 +105,7 @@ static void compare_planes(rebuild *r, size_t k, size_t end)
 static iso_planes planes_of(const iso_level *l)
 {
     const size_t *n = l->geometry.size;
-    return (iso_planes){l->scalar, ISO_F32, {n[0], n[1], n[2]}, 0, n[2]};
+    return (iso_planes){l->scalar, ISO_F32, {n[0], n[1], n[2]}, 0, n[2], l->geometry.has_no_data};
 }
 
 static iso_status run(rebuild *r, size_t slab, const iso_progress *progress, iso_error *err)

@@ -50,7 +50,8 @@ static iso_status sum_up(pyramid_build *s, iso_cascade *c, size_t z0, size_t z1,
         const size_t end = z + slab < z1 ? z + slab : z1;
         iso_progress_report(progress, "directions", (double)(z - z0) / (double)(z1 - z0));
         status = move_to(&w, source, z > reach ? z - reach : 0, end + reach < n[2] ? end + reach : n[2], err);
-        const iso_planes in = {w.data, s->header.type, {n[0], n[1], n[2]}, w.first, w.count};
+        const iso_planes in = {w.data, s->header.type, {n[0], n[1], n[2]}, w.first, w.count,
+                               s->header.geometry.has_no_data};
         TRY(status, iso_cascade_feed(c, &in, z, end, nothing, err));
     }
     iso_source_close(source);

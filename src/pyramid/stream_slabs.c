@@ -11,7 +11,8 @@
 
 /* ---- the range of the input ---- */
 
-static iso_status measure_planes(const iso_volume *plane, const char *path, double *lo, double *hi, iso_error *err)
+static iso_status measure_planes(const iso_volume *plane, const char *path, double *lo, double *hi, bool *has_no_data,
+                                 iso_error *err)
 {
     iso_volume_stats stats = iso_volume_measure(plane);
     if (stats.nonfinite_count > 0)
@@ -19,6 +20,7 @@ static iso_status measure_planes(const iso_volume *plane, const char *path, doub
                         stats.nonfinite_count);
     *lo = fmin(*lo, stats.min);
     *hi = fmax(*hi, stats.max);
+    *has_no_data = *has_no_data || stats.no_data_count > 0;
     return ISO_OK;
 }
 
@@ -32,6 +34,7 @@ iso_status iso_stream_input_range(pyramid_build *s, double *range, iso_error *er
     const size_t ranks = (size_t)iso_ranks_count(s->how->ranks), rank = (size_t)iso_ranks_index(s->how->ranks);
     const size_t first = nz * rank / ranks, end = nz * (rank + 1) / ranks;
     double lo = INFINITY, hi = -INFINITY;
+    bool has_no_data = false;
     iso_volume plane = s->header;
     iso_volume_source *source = NULL;
     plane.geometry.size[2] = 1;
@@ -41,16 +44,19 @@ iso_status iso_stream_input_range(pyramid_build *s, double *range, iso_error *er
     TRY(status, iso_source_skip(source, first, err));
     for (size_t z = first; z < end && status == ISO_OK; ++z) {
         status = iso_source_read(source, 1, plane.data, err);
-        TRY(status, measure_planes(&plane, s->in->path, &lo, &hi, err));
+        TRY(status, measure_planes(&plane, s->in->path, &lo, &hi, &has_no_data, err));
         if (status != ISO_OK && status == ISO_E_RANGE)
             status = iso_fail_in(err, status, "plane %zu", z);
     }
     iso_source_close(source);
     free(plane.data);
-    double extremes[2] = {-lo, hi};
+    double extremes[3] = {-lo, hi, has_no_data};
     status = iso_ranks_agree(s->how->ranks, status, err);
-    iso_ranks_largest(s->how->ranks, extremes, 2);
+    iso_ranks_largest(s->how->ranks, extremes, 3);
     lo = -extremes[0], hi = extremes[1];
+    s->header.geometry.has_no_data = extremes[2] > 0;
+    if (status == ISO_OK && !(lo <= hi))
+        status = iso_fail(err, ISO_E_RANGE, "%s: no voxel has data", s->in->path);
     *range = hi - lo;
     return status == ISO_OK ? iso_pyramid_check_values(lo, hi, s->in->path, err) : status;
 }
@@ -139,7 +145,8 @@ void iso_stream_request_slab(pyramid_build *s, size_t i)
 iso_status iso_stream_feed_slab(pyramid_build *s, const stream_slab *b, const stream_planes *planes, iso_error *err)
 {
     const size_t *n = s->header.geometry.size;
-    const iso_planes in = {planes->data, s->header.type, {n[0], n[1], n[2]}, planes->first, planes->count};
+    const iso_planes in = {planes->data, s->header.type, {n[0], n[1], n[2]}, planes->first, planes->count,
+                           s->header.geometry.has_no_data};
     iso_cascade_out out[STREAM_MAX_LEVELS];
     const double start = iso_clock_seconds();
     if (stream_is_alone(s))

@@ -82,6 +82,13 @@ static size_t beside(const size_t n[3], const int at[3], int axis, int by)
     return voxel;
 }
 
+/* Returns the scalar of the next voxel, or the voxel's own if that has no data. */
+static double value_beside(const float *scalar, const size_t n[3], const int at[3], int axis, int by)
+{
+    const float value = scalar[beside(n, at, axis, by)];
+    return (double)(iso_is_no_data(value) ? scalar[beside(n, at, axis, 0)] : value);
+}
+
 /* Writes the gradients at a cell's corners. Filtered central differences equal those of the filtered scalar. */
 static void gradients(const iso_cell_scene *c, const int cell[3], four corner[8])
 {
@@ -91,7 +98,7 @@ static void gradients(const iso_cell_scene *c, const int cell[3], four corner[8]
         const int at[3] = {cell[0] - 1 + (i & 1), cell[1] - 1 + (i >> 1 & 1), cell[2] - 1 + (i >> 2)};
         double g[3];
         for (int a = 0; a < 3; ++a)
-            g[a] = 0.5 * ((double)scalar[beside(n, at, a, 1)] - (double)scalar[beside(n, at, a, -1)]);
+            g[a] = 0.5 * (value_beside(scalar, n, at, a, 1) - value_beside(scalar, n, at, a, -1));
         const iso_vec3 world = iso_mul(c->sampler->gradient_to_world, iso_v3(g[0], g[1], g[2]));
         corner[i][1] = world.x;
         corner[i][2] = world.y;

@@ -113,11 +113,13 @@ ISO_LANES_INLINE bool read_cell(cell_pieces *w, const cell_walk *k, const int ce
             value[i] = (double)scalar[voxel[i]];
     }
     double lo = value[0], hi = value[0];
+    bool is_whole = value[0] != (double)ISO_NO_DATA; /* a cell next to a voxel without data shows nothing */
     for (int i = 1; i < 8; ++i) {
+        is_whole = is_whole && value[i] != (double)ISO_NO_DATA;
         lo = value[i] < lo ? value[i] : lo;
         hi = value[i] > hi ? value[i] : hi;
     }
-    if (!iso_shown_values(c->shown, lo, hi))
+    if (!is_whole || !iso_shown_values(c->shown, lo, hi))
         return false;
     four corner[8];
     for (int i = 0; i < 8; ++i)

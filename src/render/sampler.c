@@ -146,8 +146,12 @@ double iso_sample_scalar(const iso_sampler *s, iso_vec3 index)
         return (double)s->level->scalar[voxel_at(&s->level->geometry, index)];
     stencil at = stencil_at(&s->level->geometry, index);
     double value = 0;
-    for (int c = 0; c < 8; ++c)
-        value += at.weight[c] * (double)s->level->scalar[at.voxel[c]];
+    for (int c = 0; c < 8; ++c) {
+        const float corner = s->level->scalar[at.voxel[c]];
+        if (iso_is_no_data(corner) && at.weight[c] > 0)
+            return (double)ISO_NO_DATA;
+        value += at.weight[c] * (double)corner;
+    }
     return value;
 }
 
@@ -170,13 +174,20 @@ void iso_sample_floats(const iso_sampler *s, const float *values, size_t channel
             out[k] += at.weight[c] * (double)values[at.voxel[c] * channels + k];
 }
 
+/* Returns the filtered scalar at a place, or the one at p if there is no data. */
+static double sample_beside(const iso_sampler *s, iso_vec3 p, double x, double y, double z)
+{
+    const double value = iso_sample_scalar(s, iso_v3(p.x + x, p.y + y, p.z + z));
+    return value == (double)ISO_NO_DATA ? iso_sample_scalar(s, p) : value;
+}
+
 /* Computes the normal by central differences of the filtered scalar, one voxel to each side. */
 static iso_vec3 normal_on_the_fly(const iso_sampler *s, iso_vec3 p)
 {
     iso_vec3 index_gradient = {
-        0.5 * (iso_sample_scalar(s, iso_v3(p.x + 1, p.y, p.z)) - iso_sample_scalar(s, iso_v3(p.x - 1, p.y, p.z))),
-        0.5 * (iso_sample_scalar(s, iso_v3(p.x, p.y + 1, p.z)) - iso_sample_scalar(s, iso_v3(p.x, p.y - 1, p.z))),
-        0.5 * (iso_sample_scalar(s, iso_v3(p.x, p.y, p.z + 1)) - iso_sample_scalar(s, iso_v3(p.x, p.y, p.z - 1))),
+        0.5 * (sample_beside(s, p, 1, 0, 0) - sample_beside(s, p, -1, 0, 0)),
+        0.5 * (sample_beside(s, p, 0, 1, 0) - sample_beside(s, p, 0, -1, 0)),
+        0.5 * (sample_beside(s, p, 0, 0, 1) - sample_beside(s, p, 0, 0, -1)),
     };
     iso_vec3 g = iso_mul(s->gradient_to_world, index_gradient);
     return iso_scale(g, 1 / sqrt(iso_dot(g, g) + s->on_the_fly_eps * s->on_the_fly_eps));

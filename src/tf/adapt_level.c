@@ -153,6 +153,8 @@ iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_tabl
         iso_tf_table_destroy(table);
         status = iso_tf_table_copy(tf, table, err);
     }
+    if (status == ISO_OK && level0->has_no_data)
+        status = iso_tf_table_end_below(table, p->levels[0].min, err);
     if (judgment)
         *judgment = verdict;
     iso_adapter_destroy(adapter);

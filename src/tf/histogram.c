@@ -191,10 +191,9 @@ void iso_joint_needs(const iso_joint_builder *b, size_t z0, size_t z1, size_t *f
     *count = iso_phase_at(z1 - 1, b->shape.level, b->shape.coarse[2]).right + 1 - *first;
 }
 
-static void count_row(const iso_joint_builder *b, counter *c)
+static void count_row(const iso_joint_builder *b, counter *c, size_t n)
 {
     const uint32_t *keys = c->keys;
-    size_t n = b->shape.fine[0];
     if (!b->dense)
         for (size_t x = 0; x < n && !c->failed; ++x)
             c->failed = !map_add(&c->map, keys[x], 1);
@@ -235,6 +234,27 @@ static iso_row_scale scale_of(const iso_bins *bins)
     return (iso_row_scale){(float)bins->lo, (float)(1 / bins->step), (float)(bins->count - 1)};
 }
 
+/* Keeps the keys of voxels that have data, and between coarse ones that have. Returns their number. */
+static size_t keep_data(const iso_joint_builder *b, counter *c, row_place at, const float *fine_row,
+                        const float *coarse)
+{
+    const size_t *size = b->shape.coarse, level = b->shape.level;
+    const iso_phase y = iso_phase_at(at.y, level, size[1]), z = iso_phase_at(at.z, level, size[2]);
+    size_t kept = 0;
+    for (size_t i = 0; i < b->shape.fine[0]; ++i) {
+        const iso_phase x = iso_phase_at(i, level, size[0]);
+        bool is_there = !iso_is_no_data(fine_row[i]);
+        for (int corner = 0; corner < 8 && is_there; ++corner) {
+            const size_t cz = (corner & 4 ? z.right : z.left) - at.coarse_z0;
+            is_there = !iso_is_no_data(
+                coarse[(corner & 1 ? x.right : x.left) + size[0] * ((corner & 2 ? y.right : y.left) + size[1] * cz)]);
+        }
+        c->keys[kept] = c->keys[i];
+        kept += is_there;
+    }
+    return kept;
+}
+
 static void add_row(const iso_joint_builder *b, counter *c, row_place at, const float *fine_row, const float *coarse,
                     const float *second)
 {
@@ -247,7 +267,7 @@ static void add_row(const iso_joint_builder *b, counter *c, row_place at, const 
             c->keys[x] += c->second_bins[x] * (uint32_t)b->shape.s.count;
     }
     iso_join_bins(fine_row, n, scale_of(&b->shape.z), (uint32_t)b->shape.z.count, c->keys);
-    count_row(b, c);
+    count_row(b, c, b->shape.has_no_data ? keep_data(b, c, at, fine_row, coarse) : n);
 }
 
 /* Moves counts to the sums. Most of a large table is empty: blocks without counts are skipped and stay unallocated. */
@@ -431,7 +451,8 @@ iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_s
     iso_joint_shape shape = {.second_count = second == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS,
                              .fine = {n[0], n[1], n[2]},
                              .coarse = {m[0], m[1], m[2]},
-                             .level = level};
+                             .level = level,
+                             .has_no_data = fine->geometry.has_no_data};
     iso_joint_builder *b;
     float *planes = NULL;
     iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &shape.z, &shape.s);

@@ -88,6 +88,7 @@ typedef struct iso_joint_shape {
     size_t second_count;       /* bins of the second value: 1, or ISO_TF_2D_ROWS */
     size_t fine[3], coarse[3]; /* sizes of level 0 and of level `level` */
     size_t level;
+    bool has_no_data; /* voxels without data, and those next to coarse ones without, are not counted */
 } iso_joint_shape;
 
 /* Creates a builder, to be freed by iso_joint_end() or iso_joint_abandon(). ISO_E_RANGE, ISO_E_MEMORY. */
@@ -122,7 +123,8 @@ typedef struct iso_joint_key {
 /* True if the histogram's file exists. */
 bool iso_joint_is_stored(const char *dir, const iso_joint_key *key);
 
-/* Loads a histogram. ISO_E_IO: no file; ISO_E_FORMAT: its bins or number of voxels differ from the arguments. */
+/* Loads a histogram. ISO_E_IO: no file; ISO_E_FORMAT: its bins or number of voxels differ from the arguments.
+ * voxel_count: 0 for any, since some have no data. */
 iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_bins *z, const iso_bins *s,
                           uint64_t voxel_count, iso_joint *joint, iso_error *err);
 /* Loads the histogram from `dir`; if it is missing or unfit, computes and stores it. dir may be NULL; a folder that

@@ -160,7 +160,7 @@ iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_b
                               v.geometry.index_to_world.m[0][0], first.x, z->step, z->lo);
     }
     TRY(status, read_rows(&v, path, z, s, key->second, j, err));
-    if (status == ISO_OK && j->voxel_count != voxel_count)
+    if (status == ISO_OK && j->voxel_count != voxel_count && !(voxel_count == 0 && j->voxel_count > 0))
         status = iso_fail(err, ISO_E_FORMAT, "%s: counts %llu voxels, level 0 has %llu", path,
                           (unsigned long long)j->voxel_count, (unsigned long long)voxel_count);
     if (status != ISO_OK)
@@ -190,7 +190,8 @@ iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, const iso_joi
     if (bits < 8 || bits > 16 || level < 1 || level >= p->level_count)
         return iso_joint_compute(p, level, bits, second, threads, j, err); /* names the value and the limit */
     iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &z, &s);
-    if (dir && iso_joint_load(dir, key, &z, &s, iso_geometry_voxel_count(&fine->geometry), j, NULL) == ISO_OK)
+    const uint64_t count = fine->geometry.has_no_data ? 0 : iso_geometry_voxel_count(&fine->geometry);
+    if (dir && iso_joint_load(dir, key, &z, &s, count, j, NULL) == ISO_OK)
         return ISO_OK;
     iso_pyramid whole = {0};
     iso_status status = ISO_OK;

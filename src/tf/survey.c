@@ -55,7 +55,8 @@ static float *sorted_samples(const iso_level *l, size_t *count)
     float *samples = malloc((n / stride + 1) * sizeof *samples);
     *count = 0;
     for (size_t i = 0; samples && i < n; i += stride)
-        samples[(*count)++] = (float)iso_level_value(l, i);
+        if (!iso_is_no_data(samples[*count] = (float)iso_level_value(l, i)))
+            ++*count;
     if (samples)
         qsort(samples, *count, sizeof *samples, ascending);
     return samples;
@@ -208,6 +209,21 @@ static neighbors find_neighbors(const neighbor_rows *r, size_t x, size_t nx, siz
     return v;
 }
 
+/* True if the value is of a voxel without data, or padding. */
+static bool is_left_out(const iso_survey *s, float value)
+{
+    return iso_is_no_data(value) || (s->has_padding && (double)value == s->padding);
+}
+
+/* True if a neighbor is left out: the difference to it is no gradient. */
+static bool is_beside_left_out(const iso_survey *s, const neighbors *v, size_t i)
+{
+    for (int a = 0; a < 3; ++a)
+        if (is_left_out(s, v->side[a][0][i]) || is_left_out(s, v->side[a][1][i]))
+            return true;
+    return false;
+}
+
 /* Computes iso_survey_bin() of each voxel. */
 ISO_SIMD static void bin_values(const neighbors *v, double lo, double hi, int *restrict bins)
 {
@@ -237,16 +253,19 @@ ISO_SIMD static void bin_slopes(const neighbors *v, const double scale[3], doubl
 static void count_block(const neighbors *v, bool face, const double scale[3], double largest, iso_survey *s)
 {
     int values[BLOCK], slopes[BLOCK];
+    const bool has_gaps = s->has_padding || s->has_no_data;
     bin_values(v, s->lo, s->hi, values);
     bin_slopes(v, scale, largest, slopes);
     s->face_count += face ? v->count : 0;
     for (size_t i = 0; i < v->count; ++i) {
-        if (s->has_padding && (double)v->at[i] == s->padding)
+        if (iso_is_no_data(v->at[i]))
+            s->face_padding += face;
+        if (has_gaps && is_left_out(s, v->at[i]))
             continue;
         ++s->voxel_count;
         ++s->count[values[i]];
         s->face[values[i]] += face;
-        ++s->joint[values[i]][slopes[i]];
+        s->joint[values[i]][slopes[i]] += !has_gaps || !is_beside_left_out(s, v, i);
     }
 }
 
@@ -269,6 +288,7 @@ static void add_counts(iso_survey *sum, const iso_survey *part)
 {
     sum->voxel_count += part->voxel_count;
     sum->face_count += part->face_count;
+    sum->face_padding += part->face_padding;
     for (int i = 0; i < BINS; ++i) {
         sum->count[i] += part->count[i];
         sum->face[i] += part->face[i];
@@ -297,6 +317,7 @@ static iso_status count_all(const iso_level *l, int threads, iso_survey *s, iso_
         if (mine) {
             mine->lo = s->lo, mine->hi = s->hi;
             mine->has_padding = s->has_padding, mine->padding = s->padding;
+            mine->has_no_data = s->has_no_data;
         }
 #pragma omp for schedule(static)
         for (size_t z = 0; z < n[2]; ++z)
@@ -376,37 +397,67 @@ static int walk(const double *density, int peak, int way)
     return at;
 }
 
+/* Smooths counts and finds the bins of their highest peak: first, peak, last. The peak is below bin `end`. */
+static void find_peak(const uint64_t count[BINS], int end, int bins[3])
+{
+    double own[BINS], density[BINS];
+    int peak = 0;
+    for (int i = 0; i < BINS; ++i)
+        own[i] = (double)count[i];
+    smooth(own, 1, density);
+    for (int i = 0; i < end; ++i)
+        peak = density[i] > density[peak] ? i : peak;
+    bins[0] = walk(density, peak, -1);
+    bins[1] = peak;
+    bins[2] = walk(density, peak, 1);
+}
+
+static void take_background(iso_survey *s, const int bins[3])
+{
+    s->has_background = true;
+    s->background = iso_survey_value(s, bins[1]);
+    s->background_lo = iso_survey_value(s, bins[0]);
+    s->background_hi = iso_survey_value(s, bins[2]);
+}
+
+/* Finds the air of a CT whose body reaches the box's faces, or all that padding leaves of them: it is inside, or in
+ * gaps. */
+static void find_air(iso_survey *s)
+{
+    enum { AIR = -800 }; /* Hounsfield units; the lungs are above */
+    int bins[3];
+    find_peak(s->count, iso_survey_bin(s, AIR) + 1, bins);
+    if (s->face_padding > 0) {
+        take_background(s, bins);
+        return;
+    }
+    s->has_background = true;
+    s->background = s->background_lo = s->lo;
+    s->background_hi = AIR;
+}
+
 /* Finds the background: half of the faces, padding included, in at most half of the range. */
 static void find_background(iso_survey *s)
 {
-    double face[BINS], density[BINS], part = (double)s->face_padding;
-    int peak = 0;
-    for (int i = 0; i < BINS; ++i)
-        face[i] = (double)s->face[i];
-    smooth(face, 1, density);
-    for (int i = 0; i < BINS; ++i)
-        peak = density[i] > density[peak] ? i : peak;
-    const int first = walk(density, peak, -1), last = walk(density, peak, 1);
-    for (int i = first; i <= last; ++i)
-        part += face[i];
-    s->has_background = s->face_count > 0 && part >= 0.5 * (double)s->face_count && last - first < BINS / 2;
+    double part = (double)s->face_padding;
+    int bins[3];
+    find_peak(s->face, BINS, bins);
+    for (int i = bins[0]; i <= bins[2]; ++i)
+        part += (double)s->face[i];
+    const bool is_found = s->face_count > 0 && part >= 0.5 * (double)s->face_count && bins[2] - bins[0] < BINS / 2;
+    const bool is_padded_ct = s->is_hounsfield && s->face_padding > 0 && iso_survey_value(s, bins[1]) > -800;
     /* If padding covers most of the faces, their other values are the background only if they are dark. Otherwise they
      * are the object, which was cut out or touches the faces. */
-    if (s->face_padding * 10 > s->face_count * 9 || (s->face_padding * 2 > s->face_count && peak > BINS / 4)) {
+    const bool is_padded = s->face_padding * 10 > s->face_count * 9 ||
+                           (s->face_padding * 2 > s->face_count && bins[1] > BINS / 4);
+    take_background(s, bins);
+    s->has_background = is_found;
+    if (s->is_hounsfield && (is_padded_ct || !is_found)) {
+        find_air(s);
+    } else if (is_padded && !s->is_hounsfield) {
         s->has_background = true;
-        s->background = s->background_lo = s->background_hi = fmax(s->padding, s->lo);
-        return;
+        s->background = s->background_lo = s->background_hi = s->has_padding ? fmax(s->padding, s->lo) : s->lo;
     }
-    /* If a body reaches all faces, the air is inside or in small gaps outside. */
-    if (!s->has_background && s->is_hounsfield) {
-        s->has_background = true;
-        s->background = s->background_lo = s->lo;
-        s->background_hi = -800;
-        return;
-    }
-    s->background = iso_survey_value(s, peak);
-    s->background_lo = iso_survey_value(s, first);
-    s->background_hi = iso_survey_value(s, last);
 }
 
 iso_status iso_survey_make(const iso_level *level0, int threads, iso_survey **survey, iso_error *err)
@@ -419,6 +470,7 @@ iso_status iso_survey_make(const iso_level *level0, int threads, iso_survey **su
     float *sample = sorted_samples(level0, &count);
     iso_status status = s && sample ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory to survey a volume's values");
     if (status == ISO_OK) {
+        s->has_no_data = level0->geometry.has_no_data;
         s->min = level0->min;
         s->max = level0->max;
         const size_t padding = find_padding(level0, sample, count, s);

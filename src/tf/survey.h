@@ -24,6 +24,7 @@ enum { ISO_SURVEY_BINS = 256, ISO_SURVEY_SLOPES = 128, ISO_SURVEY_QUANTILES = 40
 
 typedef struct iso_survey {
     double min, max; /* of all voxels */
+    bool has_no_data; /* True if some voxels have none: they are left out like padding */
     bool has_padding;
     double padding;
     bool is_hounsfield;                        /* True if air and soft tissue of a CT have their Hounsfield units */

@@ -237,10 +237,33 @@ static iso_status tabulate(const iso_tf *tf, double value_min, double value_max,
     return ISO_OK;
 }
 
+iso_status iso_tf_table_end_below(iso_tf_table *t, double value_min, iso_error *err)
+{
+    if (!(t->entries[3] > 0) || t->count >= ISO_TF_MOST_ENTRIES)
+        return ISO_OK;
+    const double step = (t->hi - t->lo) / (double)(t->count - 1), room = (double)(ISO_TF_MOST_ENTRIES - t->count - 1);
+    const size_t more = 1 + (size_t)fmin(fmax(ceil((t->lo - value_min) / step), 0), room);
+    float *entries = malloc(4 * (t->count + more) * sizeof *entries);
+    if (!entries)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for a transfer function of %zu entries", t->count + more);
+    memcpy(entries + 4 * more, t->entries, 4 * t->count * sizeof *entries);
+    for (size_t i = 0; i < more; ++i)
+        memcpy(entries + 4 * i, t->entries, 4 * sizeof *entries);
+    entries[3] = 0;
+    free(t->entries);
+    t->entries = entries;
+    t->lo -= step * (double)more;
+    t->count += more;
+    t->point_count = 0; /* the points do not say it */
+    return ISO_OK;
+}
+
 iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
                            iso_tf_table *table, iso_error *err)
 {
-    const iso_status status = tabulate(tf, value_min, value_max, level0, table, err);
+    iso_status status = tabulate(tf, value_min, value_max, level0, table, err);
+    if (status == ISO_OK && level0->has_no_data)
+        status = iso_tf_table_end_below(table, value_min, err);
     return status == ISO_OK || !tf->of[0] ? status : iso_fail_in(err, status, "%s", tf->of);
 }
 

@@ -96,9 +96,14 @@ typedef struct iso_tf_table {
 } iso_tf_table;
 
 /* Creates a table; resolves range and unit distance by the value range and the geometry of level 0. ISO_E_RANGE: an
- * empty range, or a peak so narrow that no entry shows it. */
+ * empty range, or a peak so narrow that no entry shows it. If level0 has voxels without data, the table shows nothing
+ * there (iso_tf_table_end_below). */
 iso_status iso_tf_tabulate(const iso_tf *tf, double value_min, double value_max, const iso_geometry *level0,
                            iso_tf_table *table, iso_error *err);
+/* Lets a table end below value_min with an entry that shows nothing, for voxels without data: values below the range
+ * take the first entry. Does nothing if that shows nothing already. Values that would need more than
+ * ISO_TF_MOST_ENTRIES entries show nothing either. ISO_E_MEMORY. */
+iso_status iso_tf_table_end_below(iso_tf_table *table, double value_min, iso_error *err);
 /* Copies a table. ISO_E_MEMORY. */
 iso_status iso_tf_table_copy(const iso_tf_table *from, iso_tf_table *to, iso_error *err);
 void iso_tf_table_destroy(iso_tf_table *table);

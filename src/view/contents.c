@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/version.h"
+#include "pyramid/narrow.h"
 #include "tf/adapt.h"
 #include "tf/histogram.h"
 #include "tf/presets.h"
@@ -42,6 +43,10 @@ static scalar_form form_of(const iso_level *level, bool floats)
     } else {
         f.kind = "quantized";
         f.step = range > 0 ? range / 65535 : 1;
+        if (level->geometry.has_no_data) {
+            f.zero = (double)iso_level_stand_in(level, ISO_STAND_IN_FILE);
+            f.step = (level->max - f.zero) / 65535;
+        }
         f.width = 2;
     }
     return f;
@@ -50,7 +55,8 @@ static scalar_form form_of(const iso_level *level, bool floats)
 static uint32_t scalar_number(const void *of, size_t i, size_t c)
 {
     const scalar_form *f = of;
-    const double x = ((double)f->values[i] - f->zero) / f->step;
+    const bool is_none = iso_is_no_data(f->values[i]);
+    const double x = is_none ? f->width < 4 ? 0 : -ISO_STAND_IN_DEVICE : ((double)f->values[i] - f->zero) / f->step;
     (void)c;
     if (f->width < 4)
         return (uint32_t)lrint(x);

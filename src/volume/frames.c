@@ -10,7 +10,6 @@
 #include <strings.h>
 
 #include "base/words.h"
-#include "volume/half.h"
 #include "volume/segments.h"
 #include "volume/stream_kernel.h"
 
@@ -182,20 +181,10 @@ static void pick(const char *restrict cells, size_t sample_bytes, size_t stride,
         memcpy(out + i * sample_bytes, cells + i * stride * sample_bytes, sample_bytes);
 }
 
-static double form_value(iso_form form, const void *cells, size_t at)
-{
-    switch (form) {
-    case ISO_FORM_HALF: return (double)iso_half_to_float(((const uint16_t *)cells)[at]);
-    case ISO_FORM_I64: return (double)((const int64_t *)cells)[at];
-    case ISO_FORM_U64: return (double)((const uint64_t *)cells)[at];
-    default: return ((const double *)cells)[at];
-    }
-}
-
 static void convert_form(const iso_volume_source *s, const void *cells, size_t count, void *out)
 {
     for (size_t i = 0; i < count; ++i) {
-        const double value = form_value(s->form, cells, i * s->choice.inside_count + s->choice.inside_at);
+        const double value = iso_form_value(s->form, cells, i * s->choice.inside_count + s->choice.inside_at);
         if (s->header.type == ISO_F32)
             ((float *)out)[i] = (float)(s->slope * value + s->intercept);
         else if (s->header.type == ISO_I32)
@@ -246,12 +235,17 @@ void iso_source_note_fill(iso_volume_source *s, double value)
     iso_source_look *k = &s->look;
     /* In the file it is a sample. */
     const double as_stored = iso_source_stored_type(s) == ISO_F32 ? (double)(float)value : value;
-    if (k->fill_count < ISO_SOURCE_FILLS && isfinite(value))
+    if (k->fill_count < ISO_SOURCE_FILLS && isfinite(value) && !s->hints.no_data.is_given)
         k->fill[k->fill_count++] = as_stored;
 }
 
-static void look_at_value(iso_source_look *k, double slope, double intercept, double value)
+static void look_at_value(iso_volume_source *s, double slope, double intercept, double value)
 {
+    iso_source_look *k = &s->look;
+    const iso_no_data *rule = &s->hints.no_data;
+    const double given = slope * value + intercept;
+    if (isnan(value) || (rule->is_given && !rule->is_none && given >= rule->lo && given <= rule->hi))
+        return;
     for (size_t f = 0; f < k->fill_count; ++f)
         if (value == k->fill[f]) {
             k->least_fill = k->filled ? fmin(k->least_fill, value) : value;
@@ -259,7 +253,6 @@ static void look_at_value(iso_source_look *k, double slope, double intercept, do
             ++k->filled;
             return;
         }
-    const double given = slope * value + intercept;
     k->lo = value < k->lo ? value : k->lo;
     k->hi = value > k->hi ? value : k->hi;
     k->is_rounded = k->is_rounded || (double)(float)given != given;
@@ -284,14 +277,14 @@ void iso_source_look_at(iso_volume_source *s, const void *cells, size_t count)
         k->lo = INFINITY, k->hi = -INFINITY;
     k->seen += count;
     for (size_t i = 0; i < count && s->form; ++i)
-        look_at_value(k, slope, intercept, form_value(s->form, cells, i * c->inside_count + c->inside_at));
+        look_at_value(s, slope, intercept, iso_form_value(s->form, cells, i * c->inside_count + c->inside_at));
     if (s->form)
         return;
 /* clang-format off */
 #define ISO_LOOK_CASE(name, text, ctype)                                                                        \
     case name:                                                                                                  \
         for (size_t i = 0; i < count; ++i)                                                                      \
-            look_at_value(k, slope, intercept, (double)((const ctype *)cells)[i * c->inside_count + c->inside_at]); \
+            look_at_value(s, slope, intercept, (double)((const ctype *)cells)[i * c->inside_count + c->inside_at]); \
         break;
     /* clang-format on */
     switch (iso_source_stored_type(s)) {
@@ -304,17 +297,9 @@ iso_status iso_source_check_look(const iso_volume_source *s, iso_error *err)
 {
     const iso_source_look *k = &s->look;
     const double slope = s->scaled ? s->slope : 1, intercept = s->scaled ? s->intercept : 0;
-    const double range = k->hi - k->lo, a = slope * k->lo + intercept, b = slope * k->hi + intercept;
-    if (!(k->hi >= k->lo)) /* none, or all stand for none */
+    const double a = slope * k->lo + intercept, b = slope * k->hi + intercept;
+    if (s->only_looks || !(k->hi >= k->lo)) /* none, or all stand for none */
         return ISO_OK;
-    const double beyond = k->filled ? fmax(k->lo - k->least_fill, k->most_fill - k->hi) : 0;
-    const bool is_zero = k->least_fill == 0 && k->most_fill == 0; /* with one other value: a mask */
-    if (beyond > range && !(range == 0 && is_zero))
-        return iso_fail(
-            err, ISO_E_RANGE,
-            "%s: %zu of %zu voxels have the fill value %.9g (no data), the others %.9g "
-            "to %.9g, so the fill would dominate the range; crop these voxels, or set them to a value in that range",
-            s->path, k->filled, k->seen, k->lo - k->least_fill > range ? k->least_fill : k->most_fill, k->lo, k->hi);
     const double most = fmax(fabs(a), fabs(b));
     if (most > (double)FLT_MAX)
         return iso_fail(err, ISO_E_RANGE, "%s: values of %g to %g, at most %g fits into a float; scale them before",

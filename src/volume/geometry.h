@@ -40,6 +40,7 @@ typedef struct iso_geometry {
     iso_mat3 index_to_world;
     iso_vec3 origin_mm; /* the outer corner of voxel (0, 0, 0) */
     double box_index[3];
+    bool has_no_data; /* some voxels have ISO_NO_DATA (type.h): transfer functions are made for that, too */
     bool is_patient; /* the file names an anatomical space: the world is right, anterior, superior of a body */
 } iso_geometry;
 

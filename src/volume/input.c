@@ -19,7 +19,7 @@ char *iso_volume_input_line(const iso_volume_input *in)
         const char *option, *value;
     } words[] = {{"--raw-size", in->raw_size}, {"--raw-type", in->raw_type}, {"--raw-spacing", in->raw_spacing},
                  {"--spacing", in->spacing},   {"--unit", in->unit},         {"--series", in->series},
-                 {"--frame", in->frame},       {"--channel", in->channel}};
+                 {"--frame", in->frame},       {"--channel", in->channel}, {"--no-data", in->no_data}};
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
@@ -75,6 +75,7 @@ static iso_status parse_hints(const iso_volume_input *in, iso_volume_hints *hint
     iso_status status = in->unit ? iso_unit_parse("--unit", in->unit, unit_mm, &hints->unit, err) : ISO_OK;
     if (status == ISO_OK && in->spacing)
         status = parse_spacing("--spacing", in->spacing, *unit_mm, hints->spacing_mm, err);
+    TRY(status, iso_no_data_parse(in->no_data, &hints->no_data, err));
     return status;
 }
 
@@ -87,12 +88,13 @@ static iso_status parse_layout(const iso_volume_input *in, const iso_volume_hint
     if (!in->raw_size || !in->raw_type)
         return iso_fail(err, ISO_E_USAGE, "a raw volume needs both --raw-size and --raw-type");
     iso_status status = iso_words_parse_sizes(in->raw_size, "--raw-size", layout->size, err);
-    if (status == ISO_OK && iso_type_from_name(in->raw_type, &layout->type, err) != ISO_OK)
+    if (status == ISO_OK && iso_file_type_from_name(in->raw_type, &layout->type, &layout->form, err) != ISO_OK)
         status = iso_fail_in(err, ISO_E_USAGE, "--raw-type");
     if (status == ISO_OK && in->raw_spacing)
         status = parse_spacing("--raw-spacing", in->raw_spacing, unit_mm, layout->spacing_mm, err);
     TRY(status, iso_words_check_range("--raw-skip", (double)in->raw_skip_bytes, 0, 1e15, err));
     layout->skip_bytes = (size_t)in->raw_skip_bytes;
+    layout->no_data = hints->no_data;
     return status;
 }
 

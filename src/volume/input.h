@@ -10,7 +10,7 @@
 typedef struct iso_volume_input {
     char *raw_size, *raw_type, *raw_spacing; /* borrowed; "40x56x33", "uint8", "1x1x2.5" */
     char *spacing, *unit, *series;           /* "0.2x0.2x1", "um", "2" */
-    char *frame, *channel;                   /* "3", "red" */
+    char *frame, *channel, *no_data;         /* "3", "red", "-2000" */
     int raw_big_endian, stored, labels, no_labels, resample, force_spacing;
     long raw_skip_bytes;
 } iso_volume_input;

@@ -146,11 +146,13 @@ static iso_status measure_slab(slab_reading *s, size_t first_plane, iso_error *e
 {
     const iso_volume_stats stats = iso_volume_measure(&s->slab);
     iso_volume_stats *all = &s->out->stats;
+    const size_t counted = iso_geometry_voxel_count(&s->slab.geometry) - stats.no_data_count;
     if (stats.nonfinite_count > 0)
         return refuse_nonfinite(s, first_plane, &stats, err);
     all->min = fmin(all->min, stats.min);
     all->max = fmax(all->max, stats.max);
-    s->sum += stats.mean * (double)iso_geometry_voxel_count(&s->slab.geometry);
+    all->no_data_count += stats.no_data_count;
+    s->sum += counted > 0 ? stats.mean * (double)counted : 0;
     s->are_whole = s->are_whole && iso_volume_is_whole(&s->slab);
     measure_rounding(&s->slab, s->out);
     return ISO_OK;
@@ -160,8 +162,11 @@ static iso_status measure(slab_reading *s, iso_error *err)
 {
     s->out->stats = (iso_volume_stats){.min = INFINITY, .max = -INFINITY};
     s->are_whole = true;
-    const iso_status status = each_slab(s, 0, measure_slab, err);
-    s->out->stats.mean = s->sum / (double)iso_geometry_voxel_count(&s->out->header.geometry);
+    iso_status status = each_slab(s, 0, measure_slab, err);
+    const size_t count = iso_geometry_voxel_count(&s->out->header.geometry), without = s->out->stats.no_data_count;
+    s->out->stats.mean = s->sum / (double)(count - without);
+    s->out->header.geometry.has_no_data = without > 0;
+    TRY(status, iso_volume_check_stats(&s->out->stats, &s->out->header.geometry, s->path, err));
     return status;
 }
 
@@ -193,7 +198,7 @@ static void count_row(const slab_reading *s, counts *c)
     const double lo = s->out->stats.min, width = s->out->stats.max - lo;
     for (size_t x = 0; x < nx; ++x) {
         const double at = width > 0 ? ((double)c->row[x] - lo) / width * FINE_BINS : 0;
-        ++c->fine[at < 0 ? 0 : at < FINE_BINS ? (size_t)at : FINE_BINS - 1];
+        c->fine[at < 0 ? 0 : at < FINE_BINS ? (size_t)at : FINE_BINS - 1] += !iso_is_no_data(c->row[x]);
     }
     iso_value_histogram_add(&c->shown, c->row, nx);
     if (s->opt->drawn_bins)
@@ -228,7 +233,7 @@ static void add_counts(slab_reading *s)
 
 static void find_percentiles(iso_overview *out, const size_t *fine)
 {
-    const double count = (double)iso_geometry_voxel_count(&out->header.geometry),
+    const double count = (double)(iso_geometry_voxel_count(&out->header.geometry) - out->stats.no_data_count),
                  bin = (out->stats.max - out->stats.min) / FINE_BINS;
     double below = 0;
     for (int b = 0, p = 0; b < FINE_BINS; ++b) {

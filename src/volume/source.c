@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "base/inputs.h"
+#include "base/warnings.h"
 #include "volume/stream_kernel.h"
 #include "volume/unit.h"
 
@@ -475,6 +476,15 @@ static iso_status find_range(iso_volume_source *source, double *lo, double *hi, 
     return status;
 }
 
+/* Sets the type of a source of 64-bit integers by all its samples. */
+static void take_narrow_type(iso_volume_source *source, double lo, double hi)
+{
+    if (lo >= INT32_MIN && hi <= INT32_MAX)
+        source->header.type = ISO_I32;
+    else if (lo >= 0 && hi <= UINT32_MAX)
+        source->header.type = ISO_U32;
+}
+
 /* Reads 64-bit integers as 32-bit ones if all fit, which is usual, otherwise as doubles. Takes a pass of its own, since
  * the type is needed before the first sample. */
 static iso_status narrow(const char *path, const iso_volume_hints *hints, iso_volume_source *source, iso_error *err)
@@ -489,10 +499,28 @@ static iso_status narrow(const char *path, const iso_volume_hints *hints, iso_vo
         status = find_range(all, &lo, &hi, err);
         iso_source_close(all);
     }
-    if (status == ISO_OK && lo >= INT32_MIN && hi <= INT32_MAX)
-        source->header.type = ISO_I32;
-    else if (status == ISO_OK && lo >= 0 && hi <= UINT32_MAX)
-        source->header.type = ISO_U32;
+    if (status == ISO_OK)
+        take_narrow_type(source, lo, hi);
+    return status;
+}
+
+/* Finds out whether voxels have the file's fill values. Takes a pass of its own, since these change the type. */
+static iso_status find_fills(const char *path, const iso_volume_hints *hints, iso_volume_source *source, iso_error *err)
+{
+    iso_volume_source *all;
+    if (source->hints.no_data.is_given && !source->hints.no_data.is_none)
+        iso_source_hold_no_data(source);
+    if (source->look.fill_count == 0)
+        return ISO_OK;
+    iso_status status = open_as_stored(path, hints, &all, err);
+    if (status == ISO_OK) {
+        status = iso_source_look_for_fills(all, &source->has_fills, err);
+        iso_source_close(all);
+    }
+    if (source->has_fills)
+        iso_source_hold_no_data(source);
+    else
+        source->look.fill_count = 0;
     return status;
 }
 
@@ -500,6 +528,7 @@ static iso_status open_one(const char *path, const iso_volume_hints *hints, iso_
 {
     iso_status status = open_as_stored(path, hints, source, err);
     TRY(status, narrow(path, hints, *source, err));
+    TRY(status, find_fills(path, hints, *source, err));
     if (status != ISO_OK) {
         iso_source_close(*source);
         *source = NULL;
@@ -527,6 +556,13 @@ iso_status iso_source_open_with(const char *path, const iso_volume_hints *hints,
     return ISO_OK;
 }
 
+/* True if a file of that size may be the layout's: what follows the samples is less than a plane, a trailer. */
+static bool fits_raw(const iso_volume_source *s, const iso_raw_layout *layout, double size)
+{
+    const double more = size - (double)layout->skip_bytes - (double)iso_source_bytes(s);
+    return more >= 0 && more < (double)iso_source_plane_bytes(s);
+}
+
 /* Unpacks a raw file that a packer's first bytes begin, unless it has the bytes of the layout: then these are
  * samples. */
 static iso_status unpack_raw(iso_volume_source *s, const iso_raw_layout *layout, iso_error *err)
@@ -542,19 +578,38 @@ static iso_status unpack_raw(iso_volume_source *s, const iso_raw_layout *layout,
     return is_plain ? ISO_OK : iso_unpack(s->path, &s->unpacked, err);
 }
 
+/* Opens the samples. A trailer is left out with a warning; a longer rest means wrong sizes. */
+static iso_status take_raw(iso_volume_source *s, const iso_raw_layout *layout, iso_error *err)
+{
+    const char *path = s->unpacked.path ? s->unpacked.path : s->path;
+    struct stat st;
+    char text[640];
+    if (stat(path, &st) != 0 || !fits_raw(s, layout, (double)st.st_size))
+        return iso_source_take_file(s, path, layout->skip_bytes, err);
+    const size_t more = (size_t)st.st_size - layout->skip_bytes - iso_source_bytes(s);
+    if (more > 0) {
+        snprintf(text, sizeof text, "%.500s: the %zu bytes after its samples are left out", s->path, more);
+        iso_warn(text);
+    }
+    return iso_source_take_part(s, path, layout->skip_bytes, err);
+}
+
 static iso_status open_raw(iso_volume_source *s, const iso_raw_layout *layout, iso_error *err)
 {
     s->header.type = layout->type;
+    if (layout->form)
+        iso_source_set_form(s, layout->form);
+    s->hints.no_data = layout->no_data;
     s->header.geometry = iso_geometry_axis_aligned(layout->size, layout->spacing_mm);
     iso_status status = iso_geometry_check(&s->header.geometry, s->path, err);
     TRY(status, unpack_raw(s, layout, err));
-    TRY(status, iso_source_take_file(s, s->unpacked.path ? s->unpacked.path : s->path, layout->skip_bytes, err));
+    TRY(status, take_raw(s, layout, err));
     s->swap_bytes = layout->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
     return status;
 }
 
-iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source,
-                               iso_error *err)
+static iso_status open_raw_as_stored(const char *path, const iso_raw_layout *layout, iso_volume_source **source,
+                                     iso_error *err)
 {
     iso_status status = new_source(path, NULL, source, err);
     if (status == ISO_OK && iso_path_is_dir(path))
@@ -564,6 +619,30 @@ iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, i
         iso_source_close(*source);
         *source = NULL;
     }
+    return status;
+}
+
+/* Reads integers of 64 bits to their end and opens them again, as narrow() does. */
+static iso_status narrow_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source, iso_error *err)
+{
+    double lo = INFINITY, hi = -INFINITY;
+    iso_status status = find_range(*source, &lo, &hi, err);
+    iso_source_close(*source);
+    *source = NULL;
+    TRY(status, open_raw_as_stored(path, layout, source, err));
+    if (status == ISO_OK)
+        take_narrow_type(*source, lo, hi);
+    return status;
+}
+
+iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source,
+                               iso_error *err)
+{
+    iso_status status = open_raw_as_stored(path, layout, source, err);
+    if (status == ISO_OK && layout->form >= ISO_FORM_I64)
+        status = narrow_raw(path, layout, source, err);
+    if (status == ISO_OK && layout->no_data.is_given && !layout->no_data.is_none)
+        iso_source_hold_no_data(*source);
     return status;
 }
 

@@ -211,6 +211,7 @@ static iso_status read_converted(iso_volume_source *s, size_t plane_count, char 
         if (status == ISO_OK) {
             iso_source_look_at(s, cells, plane);
             iso_source_convert(s, cells, plane, out + z * plane * bytes);
+            iso_source_mark_no_data(s, cells, plane, out + z * plane * bytes);
         }
     }
     free(cells);
@@ -225,8 +226,10 @@ iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, 
     TRY(status, is_plain ? read_stored(s, plane_count, out, err) : read_converted(s, plane_count, out, err));
     if (status != ISO_OK)
         return status;
-    if (is_plain)
+    if (is_plain) {
         iso_source_look_at(s, out, n[0] * n[1] * plane_count);
+        iso_source_mark_no_data(s, out, n[0] * n[1] * plane_count, out);
+    }
     s->planes_done += plane_count;
     return s->look.seen == iso_geometry_voxel_count(&s->header.geometry) ? iso_source_check_look(s, err) : ISO_OK;
 }

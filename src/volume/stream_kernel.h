@@ -10,15 +10,6 @@
 #include "volume/frames.h"
 #include "volume/unpack.h"
 
-/* Samples of the file that no iso_type describes. */
-typedef enum iso_form {
-    ISO_FORM_TYPE, /* an iso_type does */
-    ISO_FORM_HALF, /* floats of 16 bits */
-    ISO_FORM_I64,  /* integers of 64 bits, with a sign, or */
-    ISO_FORM_U64,  /* without one, or */
-    ISO_FORM_WHOLE /* as doubles */
-} iso_form;
-
 enum { ISO_SOURCE_FILLS = 3 };
 
 /* Statistics of the samples, taken while they are read. */
@@ -47,6 +38,8 @@ struct iso_volume_source {
         stored; /* the type in the file if header.type is another one: of scaled values, luminance, or a form; of as
                         many bytes as the form has */
     iso_source_look look;
+    bool has_fills;  /* True if look.fill are no data in some voxels */
+    bool only_looks; /* True for a pass that looks for them */
     bool scaled; /* samples are made floats, slope * value + intercept */
     double slope, intercept;
     iso_source_choice choice;
@@ -111,11 +104,19 @@ iso_type iso_source_stored_type(const iso_volume_source *source);
 iso_status iso_source_skip_stored(iso_volume_source *source, size_t plane_count, iso_error *err);
 /* Makes the header's type float, or double, which may become int32 or uint32. Called before samples are examined. */
 void iso_source_set_form(iso_volume_source *source, iso_form form);
-/* Notes a value of the file that stands for no data. */
+/* Notes a value of the file that stands for no data, unless the caller's rule replaces it. */
 void iso_source_note_fill(iso_volume_source *source, double value);
 /* Looks at a plane of the file. */
 void iso_source_look_at(iso_volume_source *source, const void *cells, size_t count);
-/* Fails with ISO_E_RANGE if values for no data would dominate the range, or if floats cannot hold the values. */
+/* Reads a source to its end and sets *found if some voxels have its fill values, which then are no data. */
+iso_status iso_source_look_for_fills(iso_volume_source *source, bool *found, iso_error *err);
+/* Makes the header's type one that holds ISO_NO_DATA. */
+void iso_source_hold_no_data(iso_volume_source *source);
+/* Sets the samples `out` that are no data, of `count` voxels that stand in the file as `cells`. */
+void iso_source_mark_no_data(const iso_volume_source *source, const void *cells, size_t count, void *out);
+/* Returns a sample of the form. */
+double iso_form_value(iso_form form, const void *cells, size_t at);
+/* Fails with ISO_E_RANGE if floats cannot hold the values. */
 iso_status iso_source_check_look(const iso_volume_source *source, iso_error *err);
 /* Makes the source convert samples to floats from now on (iso_source_convert). */
 void iso_source_make_floats(iso_volume_source *source);

@@ -40,6 +40,32 @@ iso_status iso_type_from_name(const char *name, iso_type *type, iso_error *err)
     return status;
 }
 
+/* Names of files' types, besides those of iso_type. */
+static const struct {
+    const char *name;
+    iso_type type;
+    iso_form form;
+} file_types[] = {{"float16", ISO_F32, ISO_FORM_HALF}, {"half", ISO_F32, ISO_FORM_HALF},
+                  {"float32", ISO_F32, ISO_FORM_TYPE}, {"float64", ISO_F64, ISO_FORM_TYPE},
+                  {"int64", ISO_F64, ISO_FORM_I64},    {"uint64", ISO_F64, ISO_FORM_U64}};
+
+iso_status iso_file_type_from_name(const char *name, iso_type *type, iso_form *form, iso_error *err)
+{
+    char names[256];
+    *form = ISO_FORM_TYPE;
+    for (size_t i = 0; i < sizeof file_types / sizeof *file_types; ++i)
+        if (strcmp(name, file_types[i].name) == 0) {
+            *type = file_types[i].type;
+            *form = file_types[i].form;
+            return ISO_OK;
+        }
+    if (iso_type_from_name(name, type, err) == ISO_OK)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_USAGE,
+                    "unknown type \"%s\", must be one of %s, int64, uint64, float16, float32, float64", name,
+                    iso_names_join(&type_names, NULL, names, sizeof names));
+}
+
 iso_status iso_volume_create(iso_volume *v, const iso_geometry *g, iso_type type, const char *name, iso_error *err)
 {
     *v = (iso_volume){0};
@@ -101,7 +127,7 @@ void iso_volume_floats(const iso_volume *v, float *restrict out)
 
 typedef struct run_stats {
     double min, max, sum;
-    size_t nonfinite_count, first_nonfinite;
+    size_t nonfinite_count, first_nonfinite, no_data_count;
 } run_stats;
 
 static run_stats measure_samples(const iso_volume *v, size_t first, size_t count)
@@ -117,6 +143,10 @@ static run_stats measure_samples(const iso_volume *v, size_t first, size_t count
             if (!isfinite(value)) {                           \
                 if (s.nonfinite_count++ == 0)                 \
                     s.first_nonfinite = first + i;            \
+                continue;                                     \
+            }                                                 \
+            if (value == (double)ISO_NO_DATA) {               \
+                ++s.no_data_count;                            \
                 continue;                                     \
             }                                                 \
             s.min = value < s.min ? value : s.min;            \
@@ -151,13 +181,26 @@ iso_volume_stats iso_volume_measure(const iso_volume *v)
             total.first_nonfinite[2] = runs[r].first_nonfinite / plane;
         }
         total.nonfinite_count += runs[r].nonfinite_count;
+        total.no_data_count += runs[r].no_data_count;
         total.min = fmin(total.min, runs[r].min);
         total.max = fmax(total.max, runs[r].max);
         sum += runs[r].sum;
     }
-    size_t finite = count - total.nonfinite_count;
-    total.mean = finite > 0 ? sum / (double)finite : NAN;
+    const size_t counted = count - total.nonfinite_count - total.no_data_count;
+    total.mean = counted > 0 ? sum / (double)counted : NAN;
     return total;
+}
+
+iso_status iso_volume_check_stats(const iso_volume_stats *s, const iso_geometry *g, const char *path, iso_error *err)
+{
+    const size_t count = iso_geometry_voxel_count(g);
+    if (s->nonfinite_count > 0)
+        return iso_fail(err, ISO_E_RANGE,
+                        "%s: %zu of %zu voxels are NaN or infinite, none may be; the first is (%zu, %zu, %zu)", path,
+                        s->nonfinite_count, count, s->first_nonfinite[0], s->first_nonfinite[1], s->first_nonfinite[2]);
+    return s->no_data_count < count
+               ? ISO_OK
+               : iso_fail(err, ISO_E_RANGE, "%s: none of its %zu voxels has data", path, count);
 }
 
 /* Reads all planes of a source, then closes it. */
@@ -170,12 +213,9 @@ iso_status iso_volume_load_source(iso_volume_source *source, const char *path, i
     TRY(status, iso_source_read(source, v->geometry.size[2], v->data, err));
     iso_source_close(source);
     if (status == ISO_OK && (v->type == ISO_F32 || v->type == ISO_F64)) {
-        iso_volume_stats s = iso_volume_measure(v);
-        if (s.nonfinite_count > 0)
-            status = iso_fail(err, ISO_E_RANGE,
-                              "%s: %zu of %zu voxels are NaN or infinite, none may be; the first is (%zu, %zu, %zu)",
-                              path, s.nonfinite_count, iso_geometry_voxel_count(&v->geometry), s.first_nonfinite[0],
-                              s.first_nonfinite[1], s.first_nonfinite[2]);
+        const iso_volume_stats s = iso_volume_measure(v);
+        status = iso_volume_check_stats(&s, &v->geometry, path, err);
+        v->geometry.has_no_data = s.no_data_count > 0;
     }
     if (status != ISO_OK) {
         json_decref(segments);

@@ -47,24 +47,37 @@ void iso_volume_row(const iso_volume *v, size_t y, size_t z, float *restrict row
 void iso_volume_floats(const iso_volume *v, float *restrict out);
 
 typedef struct iso_volume_stats {
-    double min, max, mean;     /* of the finite samples */
+    double min, max, mean;     /* of the finite samples; without data min > max */
+    size_t no_data_count;      /* ISO_NO_DATA */
     size_t nonfinite_count;    /* NaN and Inf */
     size_t first_nonfinite[3]; /* x, y, z */
 } iso_volume_stats;
 iso_volume_stats iso_volume_measure(const iso_volume *v);
+/* Returns ISO_E_RANGE if a sample is NaN or infinite, or if no voxel has data. */
+iso_status iso_volume_check_stats(const iso_volume_stats *s, const iso_geometry *g, const char *path, iso_error *err);
 
 /* Loads by the file's content (doc/reference/formats-read.md), values as they are stored. ISO_E_IO. ISO_E_FORMAT:
  * truncated, wrong magic, sizes that do not match the file, unsupported types and dimensions. ISO_E_RANGE: sizes
  * that overflow, NaN or Inf voxels. ISO_E_MEMORY. stream.h reads slab by slab and defines the world coordinates. */
 iso_status iso_volume_load(const char *path, iso_volume *v, iso_error *err);
 
+/* Values that the caller declares to be no data, instead of the file's fill values. NaN is none unless is_none. */
+typedef struct iso_no_data {
+    bool is_given, is_none; /* True if there is such a rule; if all values are data */
+    double lo, hi;          /* both included */
+} iso_no_data;
+/* Parses "none", a value, or "LO,HI"; NULL: no rule. ISO_E_USAGE. */
+iso_status iso_no_data_parse(const char *text, iso_no_data *rule, iso_error *err);
+
 /* A file without a header. */
 typedef struct iso_raw_layout {
     iso_type type;
+    iso_form form; /* unless it is ISO_FORM_TYPE, instead of the type */
     size_t size[3];
     double spacing_mm[3];
     bool big_endian;
     size_t skip_bytes;
+    iso_no_data no_data;
 } iso_raw_layout;
 iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, iso_volume *v, iso_error *err);
 

@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "pyramid/pyramid.h"
+#include "pyramid/narrow.h"
 #include "render/cpu/cast.h"
 #include "render/sampler.h"
 
@@ -45,6 +45,8 @@ static inline uint16_t iso_cast_integer(const iso_cast_scalars *s, float scalar)
 }
 static inline float iso_cast_part(const iso_cast_scalars *s, float scalar)
 {
+    if (iso_is_no_data(scalar))
+        return (float)-ISO_STAND_IN_DEVICE;
     return s->range > 0 ? (float)(((double)scalar - s->min) / s->range) : 0;
 }
 static inline uint32_t iso_cast_scalar_word(const iso_cast_scalars *s, float scalar)

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "brick/occupancy.h"
+#include "pyramid/narrow.h"
 #include "scene/roi.h"
 #include "fit/extinction_scale.h"
 #include "render/gl/gl_context.h"
@@ -98,7 +99,9 @@ static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_
             if (integers)
                 codes[i] = (uint16_t)lrint(((double)from[i] - level->min) * multiple);
             else
-                parts[i] = range > 0 ? (float)(((double)from[i] - level->min) / range) : 0;
+                parts[i] = iso_is_no_data(from[i]) ? (float)-ISO_STAND_IN_DEVICE
+                           : range > 0             ? (float)(((double)from[i] - level->min) / range)
+                                                   : 0;
         glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED,
                         integers ? GL_UNSIGNED_SHORT : GL_FLOAT, plane);
     }

@@ -296,6 +296,8 @@ void take_samples(const DataSet &all, DicomFile &file)
     file.bits_stored = number(0x0101, file.bits_allocated);
     file.high_bit = number(0x0102, file.bits_stored - 1);
     file.is_signed = number(0x0103, 0) == 1;
+    if (const unsigned padding = number(0x0120, 0))
+        file.padding = file.is_signed ? static_cast<double>(static_cast<int16_t>(padding)) : padding;
     const unsigned bits = file.bits_allocated;
     if (bits != 8 && bits != 16 && bits != 32)
         fail(ISO_E_FORMAT, file.path + ": BitsAllocated is " + std::to_string(bits) + ", must be 8, 16 or 32");

@@ -28,6 +28,7 @@ struct DicomFile {
     Samples samples = Samples::integer;
     unsigned bits_allocated = 0, bits_stored = 0, high_bit = 0;
     bool is_signed = false;
+    double padding = 0; /* PixelPaddingValue, as stored; 0: none, or black */
     bool has_direction = false;
     std::vector<DicomFrame> frames;
     std::string unspaced; /* "", or the spacing that is missing in the file */

@@ -106,6 +106,23 @@ private:
         header.size[1] = files_[0].rows;
         header.size[2] = slices_.empty() ? order_.size() : slices_.size();
         header.type = type_of_values(files_);
+        take_padding();
+    }
+
+    /* Gives the values of padding. Frames of many scales have more of them than fit: then none is given. */
+    void take_padding()
+    {
+        std::vector<double> values;
+        for (const auto &file : files_)
+            for (const auto &frame : file.frames) {
+                const double value = frame.slope * file.padding + frame.intercept;
+                if (file.padding != 0 && std::find(values.begin(), values.end(), value) == values.end())
+                    values.push_back(value);
+            }
+        if (values.size() > sizeof header.fill / sizeof *header.fill)
+            return;
+        header.fill_count = values.size();
+        std::copy(values.begin(), values.end(), header.fill);
     }
 
     void take_stack(const Stack &stack, const Vector &first)
