@@ -60,7 +60,7 @@ if tracing; then
     holds and_gone_on_with "$(plane) > 0"
     # The same with each option changed that --help lists, but for those that change no byte or are of other modes.
     no_byte="output resume save-every memory threads json quiet timeout no-sandbox full-paths no-provenance help budget"
-    other_mode="for frames auto tf name unit-distance opacity range series raw-size raw-type raw-spacing raw-big-endian raw-skip frame channel"
+    other_mode="for effort frames auto tf name unit-distance opacity range series raw-size raw-type raw-spacing raw-big-endian raw-skip frame channel resample force-spacing"
     while read -r option value; do
         anew "with_another_$option" v v.nhdr "--$option" $value
         tried="${tried-} $option"
@@ -80,6 +80,7 @@ unit um
 stored
 labels
 no-labels
+no-data 5
 END
     for option in $("$ISOSHADE" build --help=all | sed -n '/^options:/,/^$/s/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p'); do
         [[ " $no_byte $other_mode $tried " == *" $option "* ]] || not_ok "$option" "is in no row of this table"

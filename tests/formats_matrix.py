@@ -284,7 +284,7 @@ def matrix_vti():
         writer = vtk.vtkXMLImageDataWriter()
         getattr(writer, f"SetCompressorTypeTo{pack}")()
         write(writer, values_of("i2"))
-        refused("m.vti", 4, f"packed by vtk{pack}DataCompressor, must be vtkZLibDataCompressor")
+        check("m.vti", values_of("i2"), None, (), pack)
     for dtype, text in itertools.product(TYPES, (False, True)):
         if text and dtype in ("u1", "u8", "i8"):  # bytes as text are colors to VTK
             continue

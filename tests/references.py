@@ -15,7 +15,7 @@ import sys
 top = pathlib.Path(sys.argv[1])
 rooms = ("src", "exporters", "tests", "doc", "refscenes")
 # What commands on pages write; n.h: a dot product; a library's name; the last are of other projects.
-written = {"index.html", "today.html", "planned.html", "levels.py", "shells-paraview.py", "summary.md", "difference.md", "brain.html", "ml.html", "n.h", "vtk.js", "numpy.py", "xxhash_spec.md", "NanoVDB.h", "NanoToOpenVDB.h"}
+written = {"index.html", "today.html", "planned.html", "levels.py", "shells-paraview.py", "summary.md", "difference.md", "brain.html", "ml.html", "mine.html", "n.h", "vtk.js", "numpy.py", "xxhash_spec.md", "NanoVDB.h", "NanoToOpenVDB.h"}
 examples = ("doc/extending.md", "tests/fifth_renderer.c")  # whose files are the reader's
 suffix = r"(?:h|c|cc|py|md|sh|glsl|gp|js|css|html)"
 file_name = re.compile(r"(?<![\w./$*{}<>%-])([A-Za-z0-9_][\w.-]*(?:/[\w.-]+)*\." + suffix + r")\b(?![/.(-]*\w)")

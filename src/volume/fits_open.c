@@ -115,7 +115,7 @@ static size_t used_axes(const fits *h, size_t used[MOST_AXES])
 
 static bool is_image(const fits *h)
 {
-    size_t used[MOST_AXES];
+    size_t used[MOST_AXES] = {0};
     return (*h->kind == 0 || strcmp(h->kind, "IMAGE") == 0) && used_axes(h, used) >= 3;
 }
 
@@ -201,7 +201,7 @@ static iso_status take_geometry(const fits *h, const size_t *used, iso_volume_so
 
 static iso_status take_image(const fits *h, iso_volume_source *source, iso_error *err)
 {
-    size_t used[MOST_AXES];
+    size_t used[MOST_AXES] = {0};
     const size_t count = used_axes(h, used);
     if (count > 4)
         return iso_fail(err, ISO_E_FORMAT, "%s: an image of %zu axes, must be 3, or 4 with frames", source->path,

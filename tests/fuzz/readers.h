@@ -7,6 +7,8 @@
 
 #define FUZZ_READER(name) void name(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
 FUZZ_READER(fuzz_volume);
+FUZZ_READER(fuzz_afni);
+FUZZ_READER(fuzz_pvti);
 FUZZ_READER(fuzz_raw);
 FUZZ_READER(fuzz_tf);
 FUZZ_READER(fuzz_scene);

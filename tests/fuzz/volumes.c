@@ -55,6 +55,42 @@ void fuzz_volume(const fuzz_target *target, const char *path, const uint8_t *dat
     iso_volume_destroy(&v);
 }
 
+/* Writes a file in the folder of the input, once. */
+static void put_beside(const char *path, const char *name, const void *bytes, size_t size)
+{
+    char other[4096];
+    const char *slash = strrchr(path, '/');
+    snprintf(other, sizeof other, "%.*s%s", slash ? (int)(slash + 1 - path) : 0, path, name);
+    FILE *f = fopen(other, "rb");
+    if (!f && (f = fopen(other, "wb")) && fwrite(bytes, 1, size, f) != size)
+        fuzz_fail("%s cannot be written", other);
+    if (f)
+        fclose(f);
+}
+
+/* The samples of the seed's header. */
+void fuzz_afni(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
+{
+    uint8_t samples[4 * 3 * 2 * 2 * 2];
+    for (size_t i = 0; i < sizeof samples; ++i)
+        samples[i] = (uint8_t)(37 * i);
+    put_beside(path, "input.BRIK", samples, sizeof samples);
+    fuzz_volume(target, path, data, size);
+}
+
+/* The piece of the seed. */
+void fuzz_pvti(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
+{
+    static const char piece[] =
+        "<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\">"
+        "<ImageData WholeExtent=\"0 3 0 2 0 1\" Origin=\"1 2 3\" Spacing=\"1 2 3\"><Piece Extent=\"0 3 0 2 0 1\">"
+        "<PointData Scalars=\"a\"><DataArray type=\"Int16\" Name=\"a\" format=\"ascii\">"
+        "0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23</DataArray></PointData>"
+        "</Piece></ImageData></VTKFile>";
+    put_beside(path, "own_0.vti", piece, sizeof piece - 1);
+    fuzz_volume(target, path, data, size);
+}
+
 /* The first line: size, type, spacing, bytes that are skipped, and which byte order. */
 void fuzz_raw(const fuzz_target *target, const char *path, const uint8_t *data, size_t size)
 {

@@ -91,6 +91,6 @@ refuse negative_bricks 5 '--bricks is -4' "$LAB" figure --kind mixed-volume --br
 refuse too_few_bricks 5 '2 along each axis' "$LAB" figure constant.nrrd --kind mixed-surface --bricks 8 -o f -q
 refuse an_odd_palette 5 'must be even' "$LAB" figure --kind palette-views --entries 61 -o f -q
 refuse a_level_that_is_not_there 5 'needs level 9' "$LAB" figure plate.nrrd --kind joint-row --level 9 -o f -q
-refuse a_region_that_is_none 2 'wanted six numbers' "$LAB" figure plate.nrrd --kind roi --roi 1,2 -o f -q
+refuse a_region_that_is_none 2 'must be six numbers' "$LAB" figure plate.nrrd --kind roi --roi 1,2 -o f -q
 refuse too_narrow 5 'leave' "$LAB" figure --kind joint-histogram --levels 5 --width 40 -o f -q
 exit $failed
