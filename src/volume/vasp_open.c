@@ -44,7 +44,7 @@ static double determinant(double m[3][3])
 static bool read_cell(FILE *f, vasp *v)
 {
     char line[LINE_BYTES];
-    double scale;
+    double scale = 0;
     bool well = fgets(line, sizeof line, f) && fgets(line, sizeof line, f) && iso_reader_numbers(line, &scale, 1) == 1;
     for (int a = 0; a < 3 && well; ++a)
         well = fgets(line, sizeof line, f) && iso_reader_numbers(line, v->cell[a], 3) == 3;
