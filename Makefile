@@ -22,7 +22,7 @@ packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev
 	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
 	teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel python3-astropy \
 	python3-vtk9 python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev cppcheck valgrind strace \
-	python3-openimageio openimageio-tools python3-png
+	python3-openimageio openimageio-tools python3-png xvfb xauth
 
 # Folders that parse untrusted input.
 untrusted := base image volume
