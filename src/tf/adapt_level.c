@@ -136,7 +136,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_tabl
     iso_adapter *adapter = NULL;
     iso_adapt_judgment verdict = {.use_original = true};
     *table = (iso_tf_table){0};
-    if (level == 0 || p->levels[level].is_optimized) {
+    if (level == 0 || (level < p->level_count && p->levels[level].is_optimized)) {
         if (judgment)
             *judgment = verdict;
         return iso_tf_table_copy(tf, table, err);
