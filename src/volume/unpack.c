@@ -90,7 +90,7 @@ static iso_status copy(struct archive *a, const char *path, FILE *out, double mo
                             "%s: unpacks to more than %.0f bytes, the limit; unpack it yourself, or set TMPDIR to a "
                             "folder with more space",
                             path, most);
-        if (fwrite(block, 1, bytes, out) != bytes)
+        if (bytes > 0 && fwrite(block, 1, bytes, out) != bytes) /* an empty block is NULL */
             return iso_fail(err, iso_errno_status(), "%s: cannot be unpacked into the temporary folder: %s", path,
                             strerror(errno));
     }
