@@ -253,8 +253,8 @@ static iso_status take_geometry(const vti *v, iso_volume_source *source, iso_err
     if (status != ISO_OK)
         return status;
     for (int a = 0; a < 3; ++a) {
-        const long points = v->extent[2 * a + 1] - v->extent[2 * a] + (v->of_cells ? 0 : 1);
-        size[a] = points > 0 ? (size_t)points : 0;
+        const double points = (double)v->extent[2 * a + 1] - (double)v->extent[2 * a] + (v->of_cells ? 0 : 1);
+        size[a] = points > 0 && points < 0x1p53 ? (size_t)points : 0;
         first[a] = (double)v->extent[2 * a] - (v->of_cells ? 0 : 0.5);
     }
     *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
