@@ -152,7 +152,8 @@ void iso_grid_spacing_mm(const iso_grid *grid, double spacing_mm[3]);
 typedef struct iso_volume iso_volume;
 
 /* Opens a file or a folder of slices by its content (doc/reference/formats-read.md), applying its slope and
- * intercept. ISO_E_IO; ISO_E_FORMAT: not of these formats, or damaged; ISO_E_RANGE: voxels that are NaN or infinite;
+ * intercept. NaN and the file's fill values are no data (iso_volume_samples()).
+ * ISO_E_IO; ISO_E_FORMAT: not of these formats, or damaged; ISO_E_RANGE: infinite voxels, or no data;
  * ISO_E_MISSING: a program that reads such files (isoshade-itk, -arrays, -vdb) is not installed; ISO_E_MEMORY. */
 iso_status iso_volume_open(const char *path, iso_volume **volume, iso_error *err);
 
@@ -174,8 +175,9 @@ typedef struct iso_open_options {
 /* Opens a volume as iso_volume_open() does. ISO_E_USAGE also for options that contradict each other. */
 iso_status iso_volume_open_with(const char *path, const iso_open_options *options, iso_volume **volume, iso_error *err);
 
-/* Copies samples of a type (ISO_CHOICE_VOXEL_TYPE) in the machine's byte order, x fastest, without gaps. ISO_E_USAGE:
- * an unknown type; ISO_E_RANGE: a size of 0, a grid without volume, samples that are NaN or infinite; ISO_E_MEMORY. */
+/* Copies samples of a type (ISO_CHOICE_VOXEL_TYPE) in the machine's byte order, x fastest, without gaps; NaN is no
+ * data. ISO_E_USAGE: an unknown type; ISO_E_RANGE: a size of 0, a grid without volume, infinite samples, or no data;
+ * ISO_E_MEMORY. */
 iso_status iso_volume_from_memory(const iso_grid *grid, const char *type, const void *samples, iso_volume **volume,
                                   iso_error *err);
 /* Copies an array whose samples are strides[0], [1], [2] bytes apart along x, y and z, which may be negative; `samples`
@@ -187,7 +189,8 @@ iso_status iso_volume_from_array(const iso_grid *grid, const char *type, const v
 iso_grid iso_volume_grid(const iso_volume *volume);
 /* Returns the type of the samples. */
 const char *iso_volume_type(const iso_volume *volume);
-/* Returns the samples, which live as long as the volume: x fastest, without gaps. */
+/* Returns the samples, which live as long as the volume: x fastest, without gaps. Voxels without data, which only
+ * floats and doubles have, are -2^100. */
 const void *iso_volume_samples(const iso_volume *volume);
 /* Copies the samples as floats, one per voxel. */
 void iso_volume_values(const iso_volume *volume, float *values);

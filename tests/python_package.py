@@ -76,7 +76,7 @@ class Volumes(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "2 dimensions"):
             iso.Volume(np.zeros((2, 2)))
         with self.assertRaisesRegex(iso.Error, r"the first is \(1, 0, 0\)") as caught:
-            iso.Volume(np.array([[[0, np.nan]]]))
+            iso.Volume(np.array([[[0, np.inf]]]))
         self.assertEqual(caught.exception.status, iso.Status.RANGE)
         self.assertEqual(pickle.loads(pickle.dumps(caught.exception)).status, iso.Status.RANGE)
         with self.assertRaisesRegex(iso.Error, "2\\^53"):
@@ -84,6 +84,18 @@ class Volumes(unittest.TestCase):
         with self.assertRaises(iso.Error) as caught:
             iso.open("no such file")
         self.assertEqual(caught.exception.status, iso.Status.IO)
+
+    def test_nan_is_no_data(self):
+        for dtype in "float32", "float64", "float16":
+            array = np.full((4, 4, 4), 2, dtype)
+            array[0, :, 1] = np.nan
+            array[3] = 5
+            v = iso.Volume(array)
+            for one in v, pickle.loads(pickle.dumps(v)):
+                np.testing.assert_array_equal(one.array == -2.0**100, np.isnan(array))
+                coarse = one.build(levels=2)[1].values
+                np.testing.assert_array_equal(coarse[0], 2)  # of the children that have data
+                np.testing.assert_array_equal(coarse[1], 3.5)
 
     def test_files(self):
         iso.Volume(ball(), spacing=(1, 2, 3)).save("ball.nrrd")

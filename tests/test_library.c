@@ -663,10 +663,11 @@ static void bad_volumes_are_refused(void **state)
 {
     (void)state;
     iso_volume *volume;
-    const float samples[2] = {1, NAN};
+    const float samples[2] = {1, INFINITY}, absent[2] = {NAN, NAN};
     iso_grid grid = iso_grid_axis_aligned((size_t[3]){2, 1, 1}, (double[3]){1, 1, 1});
     assert_fails(iso_volume_from_memory(&grid, "float", samples, &volume, &err), ISO_E_RANGE, "(1, 0, 0)");
     assert_null(volume);
+    assert_fails(iso_volume_from_memory(&grid, "float", absent, &volume, &err), ISO_E_RANGE, "none of its 2 voxels");
     assert_fails(iso_volume_from_memory(&grid, "float8", samples, &volume, &err), ISO_E_USAGE, "float8");
     grid.size[1] = 0;
     assert_fails(iso_volume_from_memory(&grid, "uint8", samples, &volume, &err), ISO_E_RANGE, "0");

@@ -67,7 +67,7 @@ class Volume(native.Handle):
     """A grid of numbers.
 
     array: shape (nz, ny, nx), indexed [z, y, x]: any integer, bool or float type, any strides; or an xarray.DataArray,
-        whose coordinates give the spacing. It is copied. Values must be finite.
+        whose coordinates give the spacing. It is copied. NaN is no data; other values must be finite.
     spacing: voxel edges (x, y, z) in mm; the volume is centered at the origin.
     index_to_world: (3, 4) matrix from continuous index (x, y, z, 1), voxel centers at i + 1/2, to mm; replaces spacing.
     """
@@ -110,7 +110,7 @@ class Volume(native.Handle):
 
     @property
     def array(self) -> np.ndarray:
-        """The samples, shape (nz, ny, nx): read-only, without a copy."""
+        """The samples, shape (nz, ny, nx): read-only, without a copy. Voxels without data are -2**100."""
         name = native.lib.iso_volume_type(self._pointer).decode()
         dtype = {v: k for k, v in _NAMES.items()}.get(name, name)
         return _view(native.lib.iso_volume_samples(self._pointer), dtype, self.shape, self)

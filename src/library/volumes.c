@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* volumes.c - grids and volumes of the library's interface. */
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,15 +98,19 @@ iso_status iso_volume_open_with(const char *path, const iso_open_options *option
     return open_by(path, &input, volume, err);
 }
 
-static iso_status check_finite(const iso_volume *v, iso_error *err)
+/* Marks NaN as no data, and checks the samples. */
+static iso_status take_no_data(iso_volume *v, iso_error *err)
 {
+    const size_t count = iso_geometry_voxel_count(&v->geometry);
+    float *floats = v->type == ISO_F32 ? v->data : NULL;
+    double *doubles = v->type == ISO_F64 ? v->data : NULL;
+    for (size_t i = 0; floats && i < count; ++i)
+        floats[i] = isnan(floats[i]) ? ISO_NO_DATA : floats[i];
+    for (size_t i = 0; doubles && i < count; ++i)
+        doubles[i] = isnan(doubles[i]) ? (double)ISO_NO_DATA : doubles[i];
     const iso_volume_stats s = iso_volume_measure(v);
-    if (s.nonfinite_count == 0)
-        return ISO_OK;
-    return iso_fail(err, ISO_E_RANGE,
-                    "%zu of %zu samples are NaN or infinite, none may be; the first is (%zu, %zu, %zu)",
-                    s.nonfinite_count, iso_geometry_voxel_count(&v->geometry), s.first_nonfinite[0],
-                    s.first_nonfinite[1], s.first_nonfinite[2]);
+    v->geometry.has_no_data = s.no_data_count > 0;
+    return iso_volume_check_stats(&s, &v->geometry, "the volume from memory", err);
 }
 
 /* Converts a sample. Returns whether the stored type holds its value. */
@@ -200,7 +205,7 @@ static iso_status copy_samples(const struct array_type *type, const char *sample
                                 "sample (%zu, %zu, %zu) of type %s is beyond 2^53, which a double holds", done, y, z,
                                 type->name);
         }
-    return check_finite(v, err);
+    return take_no_data(v, err);
 }
 
 iso_status iso_volume_from_array(const iso_grid *grid, const char *type, const void *samples,

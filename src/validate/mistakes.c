@@ -22,7 +22,7 @@ enum {
  * much. The mistakes change pictures by ten times that. */
 static const double EXPLAINED_RMSE = 6e-3;
 
-/* What is wrong with a picture. All zero: nothing, but for factors, which are 1. */
+/* The mistakes in a picture. A right one has factors of 1, and 0 otherwise. */
 typedef struct wrong {
     iso_vec3 shift;   /* of lookups, in voxels */
     bool mirrored[3]; /* lookups along an axis */
@@ -109,14 +109,14 @@ const char *iso_mistake_name(size_t number)
 
 /* ---- drawing ---- */
 
-/* A check's volume and view, and what is wrong. */
+/* A check's volume and view, and the mistakes. */
 typedef struct scene {
     const iso_view *view;
     const iso_geometry *grid;
     iso_mat3 to_index;
     iso_sampler sampler;
     float *directions; /* 3 per voxel, owned */
-    iso_tf_table tf; /* with what is wrong; its entries are borrowed */
+    iso_tf_table tf; /* with the mistakes; its entries are borrowed */
     wrong w;
 } scene;
 

@@ -28,7 +28,7 @@ typedef enum iso_type {
 #undef ISO_TYPE_ENUM
 } iso_type;
 
-/* What becomes of slices that are not equally far apart, or of which some are missing. */
+/* Treatment of slices at uneven distances, or with gaps. */
 typedef enum iso_uneven {
     ISO_UNEVEN_REFUSE,
     ISO_UNEVEN_RESAMPLE, /* linear interpolation at the smallest distance of two */

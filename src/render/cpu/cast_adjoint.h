@@ -217,7 +217,7 @@ typedef struct rest {
     vf transmittance, light, of_pixel[3];
 } rest;
 
-/* Computes a sample's derivatives, and leaves it behind. */
+/* Computes a sample's derivatives, and steps over it. */
 CAST slopes differentiate(const iso_cast *c, const spot *s, const packet *p, rest *r)
 {
     slopes d;
