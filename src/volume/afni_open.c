@@ -48,10 +48,7 @@ static size_t numbers_of(const char *head, const char *name, double *out, size_t
 
 static bool is_afni(const char *path)
 {
-    char head[4096 + 1];
-    size_t got;
-    return iso_path_ends_with(path, ".HEAD") &&
-           (iso_reader_head(path, head, sizeof head - 1, &got, NULL) != ISO_OK || strstr(head, "-attribute"));
+    return iso_path_ends_with(path, ".HEAD") && iso_reader_may_hold(path, "-attribute");
 }
 
 /* Reads the grid: by the matrix of the dataset, or by its origin and steps along DICOM's axes. */

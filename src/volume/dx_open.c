@@ -36,10 +36,7 @@ static bool read_header(FILE *f, dx *d)
 
 static bool is_dx(const char *path)
 {
-    char head[4096 + 1];
-    size_t got;
-    return iso_path_ends_with(path, ".dx") &&
-           (iso_reader_head(path, head, sizeof head - 1, &got, NULL) != ISO_OK || strstr(head, "gridpositions"));
+    return iso_path_ends_with(path, ".dx") && iso_reader_may_hold(path, "gridpositions");
 }
 
 static iso_status check_header(const dx *d, const char *path, iso_error *err)

@@ -19,6 +19,13 @@ iso_status iso_reader_head(const char *path, char *head, size_t bytes, size_t *g
     return status;
 }
 
+bool iso_reader_may_hold(const char *path, const char *word)
+{
+    char head[4096 + 1];
+    size_t got;
+    return iso_reader_head(path, head, sizeof head - 1, &got, NULL) != ISO_OK || strstr(head, word);
+}
+
 iso_status iso_reader_place(iso_volume_source *source, const size_t size[3], double step[3][3], const double first[3],
                             const char *unit, iso_error *err)
 {

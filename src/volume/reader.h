@@ -8,6 +8,9 @@
 /* Reads the first bytes of a file, at most `bytes`, and ends them with a 0: `head` is a byte longer. ISO_E_IO. */
 iso_status iso_reader_head(const char *path, char *head, size_t bytes, size_t *got, iso_error *err);
 
+/* True if a word is among a file's first 4096 bytes, or if the file cannot be read, which the reader reports. */
+bool iso_reader_may_hold(const char *path, const char *word);
+
 /* Sets the grid: step[a] leads from the center of a sample to the next along axis a, `first` is the center of the first
  * one, both in `unit`, which --unit overrides. Checks it by iso_source_check_geometry(). */
 iso_status iso_reader_place(iso_volume_source *source, const size_t size[3], double step[3][3], const double first[3],
