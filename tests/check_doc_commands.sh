@@ -38,7 +38,7 @@ SMALL = [
     ("plan", "--size 12"),
     ("chart", "--size 12 --levels 1 --steps 1 --codes fit --filters moments --estimators central --with gl --plans none --budget 0 --want 1"),
     ("validate", "--size 8 --quick --with gl --levels 2"),
-    ("palette", "--entries 16 --steps 10"),
+    ("palette", "--entries 16"),
     ("atlas", "--case code-poles"),
     ("figure .*--kind grid", "--dpi 40 --with reference,gl"),
     ("figure", "--dpi 40"),
@@ -46,7 +46,7 @@ SMALL = [
     ("bench build", "--size 24 --levels 2 --runs 1"),
     ("isoshade-lab encode", "--count 200 --size 12"),
     ("isoshade-lab gradient", "--size 32"),
-    ("isoshade-lab palette", "--steps 4 --seeds 1"),
+    ("isoshade-lab palette", "--steps 4 --seeds 1 --entries 60"),
     ("isoshade-lab fit", "--levels 2"),
     ("isoshade-lab seams", "--layouts 2"),
     ("isoshade-lab ghosts", "--levels 2"),
@@ -156,7 +156,7 @@ run_page() { # page
 }
 isoshade make shells --size 24x28x20 --spacing 1x1x1.5 -o v.nrrd -q
 isoshade build v.nrrd -o v.iso --keep-magnitude --keep-float -q >/dev/null
-isoshade palette v.nrrd -o palette.csv --entries 16 --steps 10 -q >/dev/null
+isoshade palette v.nrrd -o palette.csv --entries 16 -q >/dev/null
 
 mkdir planted
 printf 'Words.\n\n    isoshade info nothing.nrrd\n' >planted/fails.md

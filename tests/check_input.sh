@@ -108,8 +108,7 @@ refuse a_cache_of_0_bytes 2 '--cache-bytes is 0, must be 1 to 1e+15' "$ISOSHADE"
 # 0 is a value, not an option that is not given.
 for option in "render --page-side" "render --intervals" "render --planes" "render --samples" "render --seeds" \
     "validate --levels" "validate --seeds" "validate --limit-size" "validate --level-views" "validate --level-size" \
-    "scenes --size" "scenes --levels" "figure --levels" "figure --frames" \
-    "palette --ellipsoid"; do
+    "scenes --size" "scenes --levels" "figure --levels" "figure --frames"; do
     name=${option//[ -]/_}
     refuse "${name}_of_0" 2 "${option#* } is 0, must be at least 1" "$ISOSHADE" ${option% *} v.nrrd "${option#* }" 0 -o x.png
 done

@@ -17,7 +17,6 @@ src/fit: interpolation interpolation_kernel
 src/gradient: gradient gradient_kernel
 src/image: exr_codec image picture_bytes primaries
 src/lab: level_methods level_scene
-src/palette: palette palette_fit palette_regular
 src/pyramid: agreement cascade cascade_kernel filter_kernel narrow pyramid pyramid_layout
 src/pyramid: pyramid_stream stream_build
 src/render: cell_pieces cell_ray cell_ray_kernel reference reference_ray

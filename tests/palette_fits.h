@@ -6,16 +6,30 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/linalg.h"
 #include "base/random.h"
 #include "palette/palette.h"
 #include "test.h"
 
 #define ELLIPSOID 5000
 
+/* Gradients of x^2 + 15 y^2 + 15 z^2 at random points in the unit ball. */
 static inline float *ellipsoid(size_t count)
 {
     float *v = malloc(3 * count * sizeof *v);
-    iso_ellipsoid_gradients(v, count, false, 1);
+    iso_random random = {1};
+    for (size_t i = 0; i < count; ++i) {
+        double p[3], r2;
+        do {
+            for (int c = 0; c < 3; ++c)
+                p[c] = 2 * iso_random_unit(&random) - 1;
+            r2 = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+        } while (r2 > 1 || r2 < 1e-12);
+        const iso_vec3 g = iso_normalize(iso_v3(p[0], 15 * p[1], 15 * p[2]));
+        v[3 * i] = (float)g.x;
+        v[3 * i + 1] = (float)g.y;
+        v[3 * i + 2] = (float)g.z;
+    }
     return v;
 }
 
@@ -32,9 +46,6 @@ static inline iso_palette fit(const iso_direction_set *set, iso_palette_method m
     iso_palette p;
     opt.method = method;
     opt.directions = directions;
-    opt.anneal.cycles = 40;
-    opt.anneal.steps = 400;
-    opt.anneal.temp_fac = 0.85;
     opt.swap_trials = 4;
     assert_ok(iso_palette_fit(set, &opt, &p, NULL, &err));
     return p;

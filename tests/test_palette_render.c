@@ -39,7 +39,7 @@ static void subject_create(subject *s, size_t directions, bool orthographic)
     iso_level *level = &s->pyramid.levels[0];
     assert_ok(
         iso_direction_set_create(&set, level->directions, NULL, iso_geometry_voxel_count(&level->geometry), &err));
-    fit.method = directions > set.count ? ISO_PALETTE_KMEANS : ISO_PALETTE_KMEANSPP;
+    fit.swap_trials = 0;
     fit.directions = directions;
     assert_ok(iso_palette_fit(&set, &fit, &s->palette, NULL, &err));
     iso_direction_set_destroy(&set);

@@ -55,13 +55,13 @@ static void lookup_finds_the_nearest_entry(void **state)
     iso_direction_set set = set_of(data, NULL, ELLIPSOID);
     const size_t sizes[] = {1, 2, 3, 17, 254, 1022};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
-        iso_palette p = fit(&set, ISO_PALETTE_KMEANSPP, sizes[s]);
+        iso_palette p = fit(&set, ISO_PALETTE_KMEANS, sizes[s]);
         iso_palette_lookup *lookup;
         assert_ok(iso_palette_lookup_create(&p, &lookup, &err));
         assert_int_equal(wrong_assignments(&p, lookup, v, 2 * N), 0);
         if (sizes[s] == 254) {
             /* Power: the lookup of a palette with every other entry turned by a degree is caught. */
-            iso_palette turned = fit(&set, ISO_PALETTE_KMEANSPP, sizes[s]);
+            iso_palette turned = fit(&set, ISO_PALETTE_KMEANS, sizes[s]);
             for (size_t k = 1; k < turned.count; k += 2) {
                 float *e = turned.xyz + 3 * k, x = e[0];
                 e[0] = (float)(cos(0.0175) * (double)x - sin(0.0175) * (double)e[1]);
@@ -88,7 +88,7 @@ static void bytes_and_words_agree_and_decode(void **state)
     v[3 * 5] = NAN;
     v[3 * 6] = v[3 * 6 + 1] = v[3 * 6 + 2] = 0;
     iso_direction_set set = set_of(v, NULL, N);
-    iso_palette p = fit(&set, ISO_PALETTE_KMEANSPP, 255);
+    iso_palette p = fit(&set, ISO_PALETTE_KMEANS, 255);
     iso_palette_lookup *lookup;
     assert_int_equal(iso_palette_bits(&p), 8);
     assert_ok(iso_palette_lookup_create(&p, &lookup, &err));

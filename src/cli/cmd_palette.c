@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cmd_palette.c - fits a palette of directions to a volume, a pyramid or the paper's ellipsoid, and saves it. */
+/* cmd_palette.c - fits a palette of directions to a volume or a pyramid, and saves it. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +19,6 @@
 typedef struct fitted {
     iso_direction_set set;
     iso_palette palette;
-    iso_tessellation tessellation; /* for --method anneal */
     iso_palette_error error;
     double sample_seconds, fit_seconds;
     long level; /* level of a pyramid; -1: all levels, or no pyramid */
@@ -29,26 +28,19 @@ static void fitted_destroy(fitted *f)
 {
     iso_direction_set_destroy(&f->set);
     iso_palette_destroy(&f->palette);
-    iso_tessellation_destroy(&f->tessellation);
 }
 
 /* ---- options ---------------------------------------------------------------------------- */
 
 static iso_status check_outputs(const iso_palette_arguments *a, iso_error *err)
 {
-    static const char *const endings[] = {".csv", ".png", ".exr", ".svg", ".inc", ".py", ".nrrd"};
+    static const char *const endings[] = {".csv", ".png", ".exr", ".inc", ".py", ".nrrd"};
     for (char **path = a->outputs; path && *path; ++path) {
         bool known = false;
         for (size_t i = 0; i < sizeof endings / sizeof *endings; ++i)
             known |= iso_path_ends_with(*path, endings[i]);
         if (!known)
-            return iso_fail(err, ISO_E_USAGE, "%s: the ending must be .csv, .png, .exr, .svg, .inc, .py or .nrrd",
-                            *path);
-        if (iso_path_ends_with(*path, ".svg") && (!a->method || strcmp(a->method, "anneal") != 0))
-            return iso_fail(err, ISO_E_USAGE, "%s: .svg draws a tessellation, which needs --method anneal", *path);
-        if (iso_path_ends_with(*path, ".nrrd") && a->ellipsoid)
-            return iso_fail(err, ISO_E_USAGE, "%s: .nrrd holds a volume's indices, which --ellipsoid does not have",
-                            *path);
+            return iso_fail(err, ISO_E_USAGE, "%s: the ending must be .csv, .png, .exr, .inc, .py or .nrrd", *path);
     }
     return ISO_OK;
 }
@@ -58,24 +50,12 @@ static iso_status to_options(const iso_palette_arguments *a, iso_palette_options
     *out = iso_palette_defaults();
     iso_status status = iso_words_check_range("--entries", a->entries, 1, ISO_PALETTE_MAX, err);
     TRY(status, iso_words_check_range("--seed", a->seed, 0, 2147483647, err));
-    TRY(status, iso_words_check_range("--swap-trials", a->swap_trials, 0, 10000, err));
-    TRY(status, iso_words_check_range("--cycles", a->cycles, 0, 1000000, err));
-    TRY(status, iso_words_check_range("--steps", a->steps, 0, 100000000, err));
     TRY(status, iso_words_check_range("--level", a->level, -1, 31, err));
-    TRY(status, iso_words_check_range("--ellipsoid", a->ellipsoid, 0, 1e8, err));
     if (status == ISO_OK && a->method)
         status = iso_palette_method_from_name(a->method, &out->method, err);
-    if (status == ISO_OK && (a->ellipsoid > 0) == (a->cli->argument_count > 0))
-        status = iso_fail(err, ISO_E_USAGE, "give either a volume or --ellipsoid N");
     TRY(status, check_outputs(a, err));
     out->directions = (size_t)a->entries;
     out->seed = (uint64_t)a->seed;
-    out->swap_trials = (size_t)a->swap_trials;
-    out->anneal = (iso_anneal_options){.start_prob = a->start_prob,
-                                       .temp_fac = a->temp_fac,
-                                       .cycles = (size_t)a->cycles,
-                                       .steps = (size_t)a->steps,
-                                       .move_deg = {a->move_min, a->move_max}};
     return status;
 }
 
@@ -163,8 +143,6 @@ static iso_status save_one(const iso_palette_arguments *a, const iso_pyramid *p,
         status = iso_palette_picture_exr(&f->palette, path, text, err);
     else if (iso_path_ends_with(path, ".png"))
         status = iso_palette_picture_png(&f->palette, &f->set, path, err);
-    else if (iso_path_ends_with(path, ".svg"))
-        status = iso_palette_picture_svg(&f->tessellation, &f->set, path, err);
     else if (!p)
         status = save_volume_indices(a, &f->palette, path, err);
     else if (f->level >= 0)
@@ -196,9 +174,7 @@ static iso_status fit(const iso_palette_arguments *a, const iso_palette_options 
 {
     iso_progress progress = iso_cli_progress(a->cli);
     double start = iso_clock_seconds();
-    iso_status status = opt->method == ISO_PALETTE_ANNEAL
-                            ? iso_palette_anneal(&f->set, opt, &f->palette, &f->tessellation, &progress, err)
-                            : iso_palette_fit(&f->set, opt, &f->palette, &progress, err);
+    iso_status status = iso_palette_fit(&f->set, opt, &f->palette, &progress, err);
     f->fit_seconds = iso_clock_seconds() - start;
     return status == ISO_OK ? iso_palette_measure(&f->set, &f->palette, &f->error, err) : status;
 }
@@ -241,15 +217,12 @@ static void report(const iso_palette_arguments *a, const iso_palette_options *op
 static iso_status make_one(const iso_palette_arguments *a, const iso_palette_options *opt, const iso_pyramid *p,
                            long level, json_t *palettes, iso_error *err)
 {
-    const iso_cli_stage stages[] = {{"directions", 1},
-                                    {opt->method == ISO_PALETTE_ANNEAL ? "annealing" : "palette", 3}};
+    const iso_cli_stage stages[] = {{"directions", 1}, {"palette", 3}};
     fitted f = {.level = level};
     double start = iso_clock_seconds();
     iso_cli_expect(a->cli, stages, sizeof stages / sizeof *stages);
     iso_status status;
-    if (a->ellipsoid)
-        status = iso_palette_ellipsoid_set(a, &f.set, err);
-    else if (!p)
+    if (!p)
         status = iso_palette_volume_set(a, a->cli->arguments[0], &f.set, err);
     else
         status = iso_palette_pyramid_set(a, p, level < 0 ? 0 : (size_t)level,
@@ -270,8 +243,8 @@ static iso_status make_all(const iso_palette_arguments *a, iso_error *err)
     iso_status status = to_options(a, &opt, err);
     if (status != ISO_OK)
         return status;
-    const char *path = a->cli->argument_count ? a->cli->arguments[0] : NULL;
-    bool is_pyramid = path && iso_pyramid_is_one(path);
+    const char *path = a->cli->arguments[0];
+    bool is_pyramid = iso_pyramid_is_one(path);
     if ((a->per_level || a->level >= 0) && !is_pyramid)
         return iso_fail(err, ISO_E_USAGE, "--level and --per-level need a pyramid");
     if (is_pyramid)
@@ -307,24 +280,16 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     iso_palette_arguments a = {.cli = &cli,
                                .entries = (int)d.directions,
                                .seed = (int)d.seed,
-                               .level = -1,
-                               .swap_trials = (int)d.swap_trials,
-                               .cycles = (int)d.anneal.cycles,
-                               .steps = (int)d.anneal.steps,
-                               .start_prob = d.anneal.start_prob,
-                               .temp_fac = d.anneal.temp_fac,
-                               .move_min = d.anneal.move_deg[0],
-                               .move_max = d.anneal.move_deg[1]};
+                               .level = -1};
     iso_volume_input_defaults(&a.input);
     const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
     struct poptOption options[] = {
         {"output", 'o', POPT_ARG_ARGV, &a.outputs, 0,
          "output, repeatable: .csv, .inc (POV-Ray), .py (Blender), .exr (row of floats), "
-         ".png, .svg (tessellation), .nrrd (indices)",
+         ".png, .nrrd (indices)",
          "FILE"},
         {"entries", 0, POPT_ARG_INT | shown, &a.entries, 0, "number of directions, without the zero vector", "N"},
-        {"method", 0, POPT_ARG_STRING, &a.method, 0,
-         "kmeans (default), kmeans++, lloyd, lbg, anneal, faces, vertices, grid, spiral, fibonacci", "NAME"},
+        {"method", 0, POPT_ARG_STRING, &a.method, 0, "kmeans (default), or fibonacci", "NAME"},
         {"seed", 0, POPT_ARG_INT | shown, &a.seed, 0, "seed of the random numbers", "N"},
         {"by-magnitude", 0, POPT_ARG_NONE, &a.by_magnitude, 0, "weight voxels by their gradient magnitude", NULL},
         {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "weight voxels by opacity under this transfer function, a file or preset",
@@ -333,16 +298,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"level", 0, POPT_ARG_INT, &a.level, 0, "pyramids: only this level (one palette for all levels)", "K"},
         {"per-level", 0, POPT_ARG_NONE, &a.per_level, 0, "pyramids: one palette per level, in files NAME_level_K",
          NULL},
-        {"ellipsoid", 0, POPT_ARG_INT, &a.ellipsoid, ISO_CLI_NOT_ZERO,
-         "gradients of x^2 + 15 y^2 + 15 z^2 in the ball, without a volume", "N"},
-        {"on-surface", 0, POPT_ARG_NONE, &a.on_surface, 0, "with --ellipsoid: take points on its surface", NULL},
-        {"swap-trials", 0, POPT_ARG_INT | shown, &a.swap_trials, 0, "kmeans: swaps tried per entry", "N"},
-        {"start-prob", 0, POPT_ARG_DOUBLE | shown, &a.start_prob, 0, "anneal: START_PROB", "P"},
-        {"temp-fac", 0, POPT_ARG_DOUBLE | shown, &a.temp_fac, 0, "anneal: TEMP_FAC", "F"},
-        {"cycles", 0, POPT_ARG_INT | shown, &a.cycles, 0, "anneal: CYCLE_NR", "N"},
-        {"steps", 0, POPT_ARG_INT | shown, &a.steps, 0, "anneal: STEP_NR", "N"},
-        {"move-min", 0, POPT_ARG_DOUBLE | shown, &a.move_min, 0, "anneal: smallest move of a vertex", "DEG"},
-        {"move-max", 0, POPT_ARG_DOUBLE | shown, &a.move_max, 0, "anneal: largest move of a vertex", "DEG"},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,
     };
@@ -364,16 +319,16 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 const iso_command iso_command_palette = {
     .name = "palette",
     .summary = "fit a table of directions to a volume: one byte per voxel instead of three",
+    .min_arguments = 1,
     .max_arguments = 1,
-    .usage = "[VOLUME | PYRAMID.iso] [-o FILE ...] [options]",
+    .usage = "VOLUME|PYRAMID.iso [-o FILE ...] [options]",
     .details =
         "Entry 0 is the zero vector. Without --tf and --by-magnitude all voxels with a gradient count the same, and a\n"
         "volume is read slab by slab.",
     .common = "output entries method tf level per-level by-magnitude seed spacing threads",
     .examples = "  isoshade make marschner-lobb --size 40x56x33 -o v.nrrd\n"
                 "  isoshade palette v.nrrd -o palette.csv -o palette.png -o index.nrrd\n"
-                "  isoshade palette v.nrrd --entries 1022 --by-magnitude -o palette.inc -o palette.py\n"
-                "  isoshade palette --ellipsoid 5000 --method anneal --entries 510 --steps 500 -o figure9.svg\n",
+                "  isoshade palette v.nrrd --entries 1022 --by-magnitude -o palette.inc -o palette.py\n",
     .lists = (const iso_names *const[]){&iso_palette_method_names, &iso_tf_preset_names, NULL},
     .run = run,
 };

@@ -7,18 +7,6 @@
 #include "pyramid/palette_level.h"
 #include "tf/presets.h"
 
-iso_status iso_palette_ellipsoid_set(const iso_palette_arguments *a, iso_direction_set *set, iso_error *err)
-{
-    size_t count = (size_t)a->ellipsoid;
-    float *vectors = malloc(3 * count * sizeof *vectors);
-    if (!vectors)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory for %zu gradients", count);
-    iso_ellipsoid_gradients(vectors, count, a->on_surface, (uint64_t)a->seed);
-    iso_status status = iso_direction_set_create(set, vectors, NULL, count, err);
-    free(vectors);
-    return status;
-}
-
 /* Makes a table of weights, the TF's opacity over one voxel; to be freed. */
 static iso_status opacity_weights(const iso_palette_arguments *a, const iso_tf *tf, const iso_geometry *g,
                                   const double range[2], iso_palette_weighting *w, float **table, iso_error *err)

@@ -16,12 +16,9 @@ typedef struct iso_palette_arguments {
     iso_tf_request request;    /* read from them */
     char **outputs;            /* ends with NULL */
     char *method, *tf;
-    int entries, seed, level, per_level, by_magnitude, ellipsoid, on_surface, swap_trials, cycles, steps;
-    double start_prob, temp_fac, move_min, move_max;
+    int entries, seed, level, per_level, by_magnitude;
 } iso_palette_arguments;
 
-/* Gathers gradients of the paper's ellipsoid. */
-iso_status iso_palette_ellipsoid_set(const iso_palette_arguments *a, iso_direction_set *set, iso_error *err);
 /* Gathers the gradients of a volume's file. */
 iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *path, iso_direction_set *set,
                                   iso_error *err);

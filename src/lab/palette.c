@@ -15,11 +15,11 @@
 
 #define ELLIPSOID_POINTS 5000
 
-static iso_palette_options method_options(const palette_bench *b, iso_palette_method method, size_t directions)
+static iso_rival_options method_options(const palette_bench *b, iso_palette_rival method, size_t directions)
 {
-    iso_palette_options opt = iso_palette_defaults();
+    iso_rival_options opt = iso_rival_defaults();
     opt.method = method;
-    opt.directions = directions;
+    opt.fit.directions = directions;
     opt.anneal.cycles = (size_t)b->cycles;
     opt.anneal.steps = (size_t)b->steps;
     return opt;
@@ -33,12 +33,12 @@ static double processor_seconds(void)
 
 /* Fits to `fitted_to` and measures on `set`, which may be the same. */
 static iso_status fit_and_measure(const iso_direction_set *fitted_to, const iso_direction_set *set,
-                                  const iso_palette_options *opt, size_t *entries, iso_palette_error *e,
+                                  const iso_rival_options *opt, size_t *entries, iso_palette_error *e,
                                   double *seconds, iso_error *err)
 {
     iso_palette p;
     double start = processor_seconds();
-    iso_status status = iso_palette_fit(fitted_to, opt, &p, NULL, err);
+    iso_status status = iso_rival_palette_fit(fitted_to, opt, &p, err);
     *seconds = processor_seconds() - start;
     if (status != ISO_OK)
         return status;
@@ -60,9 +60,9 @@ static const size_t table_sizes[3] = {254, 510, 1022};
 static const size_t regular_sizes[3] = {240, 960, 3840};
 static const size_t vertex_sizes[3] = {122, 482, 1922};
 
-static const size_t *sizes_of(iso_palette_method m)
+static const size_t *sizes_of(iso_palette_rival m)
 {
-    return m == ISO_PALETTE_FACES ? regular_sizes : m == ISO_PALETTE_VERTICES ? vertex_sizes : table_sizes;
+    return m == ISO_RIVAL_FACES ? regular_sizes : m == ISO_RIVAL_VERTICES ? vertex_sizes : table_sizes;
 }
 
 typedef struct fitted_sets {
@@ -72,15 +72,15 @@ typedef struct fitted_sets {
 } fitted_sets;
 
 /* Measures one line of the table: a method at its three sizes, with means over the sets. */
-static iso_status table_line(const palette_bench *b, const fitted_sets *s, iso_palette_method method, json_t *rows,
+static iso_status table_line(const palette_bench *b, const fitted_sets *s, iso_palette_rival method, json_t *rows,
                              iso_error *err)
 {
     const size_t count = s->count;
-    const char *name = iso_palette_method_name(method);
+    const char *name = iso_palette_rival_name(method);
     if (!b->cli->json)
         printf("  %-10s", name);
     for (int k = 0; k < 3; ++k) {
-        iso_palette_options opt = method_options(b, method, sizes_of(method)[k]);
+        iso_rival_options opt = method_options(b, method, sizes_of(method)[k]);
         iso_palette_error mean = {0};
         double seconds = INFINITY;
         size_t entries = 0;
@@ -143,9 +143,9 @@ iso_status iso_palette_bench_ellipsoid(const palette_bench *b, json_t *root, iso
                  ELLIPSOID_POINTS, on_surface ? "on the ellipsoid" : "in the ball", b->seeds);
         status = ellipsoid_sets(b, on_surface, sets, err);
         table_head(b, title);
-        for (int m = 0; m < ISO_PALETTE_METHOD_COUNT && status == ISO_OK; ++m)
+        for (int m = 0; m < ISO_RIVAL_COUNT && status == ISO_OK; ++m)
             status = table_line(b, &(fitted_sets){sets, sets, (size_t)b->seeds, on_surface ? "surface" : "ball"},
-                                (iso_palette_method)m, rows, err);
+                                (iso_palette_rival)m, rows, err);
         for (int i = 0; i < b->seeds; ++i)
             iso_direction_set_destroy(&sets[i]);
     }
@@ -201,10 +201,10 @@ static iso_status assign_case(const palette_bench *b, const iso_direction_set *s
                               size_t directions, json_t *rows, iso_error *err)
 {
     const char *what = to->name;
-    iso_palette_options opt = method_options(b, ISO_PALETTE_KMEANSPP, directions);
+    iso_rival_options opt = method_options(b, ISO_RIVAL_KMEANSPP, directions);
     iso_palette p;
     iso_palette_lookup *lookup;
-    iso_status status = iso_palette_fit(set, &opt, &p, NULL, err);
+    iso_status status = iso_rival_palette_fit(set, &opt, &p, err);
     if (status != ISO_OK)
         return status;
     double start = iso_clock_seconds();
@@ -284,8 +284,8 @@ iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, is
 
 iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, json_t *rows, iso_error *err)
 {
-    static const iso_palette_method methods[] = {ISO_PALETTE_KMEANS, ISO_PALETTE_KMEANSPP, ISO_PALETTE_ANNEAL,
-                                                 ISO_PALETTE_FACES, ISO_PALETTE_FIBONACCI};
+    static const iso_palette_rival methods[] = {ISO_RIVAL_KMEANS, ISO_RIVAL_KMEANSPP, ISO_RIVAL_ANNEAL,
+                                                 ISO_RIVAL_FACES, ISO_RIVAL_FIBONACCI};
     const char *name = iso_path_base(path);
     iso_direction_set set, coarse = {0};
     double seconds;
@@ -298,7 +298,7 @@ iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, js
              seconds);
     table_head(b, title);
     for (size_t m = 0; m < sizeof methods / sizeof *methods && status == ISO_OK; ++m)
-        status = table_line(b, &(fitted_sets){methods[m] == ISO_PALETTE_ANNEAL ? &coarse : &set, &set, 1, name},
+        status = table_line(b, &(fitted_sets){methods[m] == ISO_RIVAL_ANNEAL ? &coarse : &set, &set, 1, name},
                             methods[m], rows, err);
     json_t *first = json_array_get(rows, json_array_size(rows) - 3 * sizeof methods / sizeof *methods);
     if (status == ISO_OK && first)
@@ -332,11 +332,11 @@ static iso_status sweep_case(const palette_bench *b, const iso_direction_set *se
 {
     double sum = 0, least = INFINITY, most = 0, seconds = INFINITY;
     for (int seed = 0; seed < b->seeds; ++seed) {
-        iso_palette_options opt = method_options(b, ISO_PALETTE_ANNEAL, 254);
+        iso_rival_options opt = method_options(b, ISO_RIVAL_ANNEAL, 254);
         iso_palette_error e;
         double once;
         size_t entries;
-        opt.seed = (uint64_t)seed + 1;
+        opt.fit.seed = (uint64_t)seed + 1;
         set_parameter(&opt.anneal, which, s->values[i]);
         iso_status status = fit_and_measure(set, set, &opt, &entries, &e, &once, err);
         if (status != ISO_OK)
@@ -381,9 +381,9 @@ iso_status iso_palette_bench_sensitivity(const palette_bench *b, const char *vol
         printf(
             "\nAnnealing 254 entries, %s: norm 1 over %d seeds, the others at START_PROB %g, TEMP_FAC %g, %d cycles of "
             "%d steps, moves of %g to %g degrees\n",
-            volume ? iso_path_base(volume) : "the ellipsoid", b->seeds, iso_palette_defaults().anneal.start_prob,
-            iso_palette_defaults().anneal.temp_fac, b->cycles, b->steps, iso_palette_defaults().anneal.move_deg[0],
-            iso_palette_defaults().anneal.move_deg[1]);
+            volume ? iso_path_base(volume) : "the ellipsoid", b->seeds, iso_rival_defaults().anneal.start_prob,
+            iso_rival_defaults().anneal.temp_fac, b->cycles, b->steps, iso_rival_defaults().anneal.move_deg[0],
+            iso_rival_defaults().anneal.move_deg[1]);
     for (size_t s = 0; s < sizeof sweeps / sizeof *sweeps; ++s)
         for (size_t i = 0; i < sweeps[s].count && status == ISO_OK; ++i)
             status = sweep_case(b, &set, &sweeps[s], s, i, rows, err);
@@ -399,6 +399,8 @@ static iso_status run_parts(const palette_bench *b, json_t *root, iso_error *err
 {
     size_t count = b->cli->argument_count;
     iso_status status = ISO_OK;
+    if (b->tessellation)
+        return iso_palette_bench_tessellation(b, err);
     if (b->sensitivity)
         return iso_palette_bench_sensitivity(b, count ? b->cli->arguments[0] : NULL, root, err);
     if (count == 0) {
@@ -419,8 +421,8 @@ static iso_status run_parts(const palette_bench *b, json_t *root, iso_error *err
 static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     iso_cli cli;
-    const iso_anneal_options anneal = iso_palette_defaults().anneal;
-    palette_bench b = {.cli = &cli, .cycles = (int)anneal.cycles, .steps = (int)anneal.steps, .seeds = 3};
+    const iso_anneal_options anneal = iso_rival_defaults().anneal;
+    palette_bench b = {.cli = &cli, .cycles = (int)anneal.cycles, .steps = (int)anneal.steps, .seeds = 3, .entries = 510};
     iso_volume_input_defaults(&b.input);
     const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
     struct poptOption options[] = {
@@ -429,6 +431,9 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"cycles", 0, POPT_ARG_INT | shown, &b.cycles, 0, "set CYCLE_NR of annealing", "N"},
         {"steps", 0, POPT_ARG_INT | shown, &b.steps, 0, "set STEP_NR of annealing", "N"},
         {"sensitivity", 0, POPT_ARG_NONE, &b.sensitivity, 0, "vary the annealing's parameters instead", NULL},
+        {"tessellation", 0, POPT_ARG_STRING, &b.tessellation, 0, "draw only the ellipsoid's tessellation (Figure 9)",
+         "FILE.svg"},
+        {"entries", 0, POPT_ARG_INT | shown, &b.entries, 0, "triangles of --tessellation", "N"},
         ISO_CLI_LOOK_OPTIONS(&b.look),
         {"no-images", 0, POPT_ARG_NONE, &b.no_images, 0, "volumes: print only the table", NULL},
         ISO_CLI_INPUT_OPTIONS(&b.input),
@@ -440,6 +445,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         status = iso_words_check_range("--seeds", b.seeds, 1, 1000, err);
         TRY(status, iso_words_check_range("--cycles", b.cycles, 0, 1e6, err));
         TRY(status, iso_words_check_range("--steps", b.steps, 0, 1e8, err));
+        TRY(status, iso_words_check_range("--entries", b.entries, 1, ISO_PALETTE_MAX, err));
         TRY(status, iso_cli_look_check(&b.look, cli.threads, &b.shown, err));
         json_t *root = iso_cli_json(&cli);
         json_object_update_new(json_object_get(root, "options"),
@@ -451,6 +457,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
             json_decref(root);
     }
     iso_cli_end(&cli);
+    free(b.tessellation);
     return status;
 }
 
@@ -465,6 +472,7 @@ const iso_command iso_lab_palette = {
         "processor seconds.",
     .examples = "  isoshade-lab palette --seeds 1 --steps 500\n"
                 "  isoshade-lab palette --sensitivity --seeds 1 --cycles 20 --steps 100\n"
+                "  isoshade-lab palette --tessellation figure9.svg --entries 120 --cycles 20 --steps 100\n"
                 "  isoshade make marschner-lobb --size 40x56x33 -o v.nrrd\n"
                 "  isoshade-lab palette v.nrrd --steps 200 --size 64\n",
     .run = run,

@@ -186,7 +186,7 @@ static iso_status sample_level(stage *s, bool weighted, iso_direction_set *set, 
     return status;
 }
 
-static iso_status palette_rows(stage *s, iso_palette_method how, size_t directions, bool weighted, bool variants,
+static iso_status palette_rows(stage *s, iso_palette_rival how, size_t directions, bool weighted, bool variants,
                                iso_error *err)
 {
     char name[64];
@@ -194,16 +194,16 @@ static iso_status palette_rows(stage *s, iso_palette_method how, size_t directio
     iso_direction_set set = {0};
     iso_palette palette = {0};
     iso_palette_error e = {0};
-    iso_palette_options opt = iso_palette_defaults();
+    iso_rival_options opt = iso_rival_defaults();
     opt.method = how;
-    opt.directions = directions;
+    opt.fit.directions = directions;
     double start = iso_clock_seconds();
     iso_status status = sample_level(s, weighted, &set, err);
-    TRY(status, iso_palette_fit(&set, &opt, &palette, NULL, err));
+    TRY(status, iso_rival_palette_fit(&set, &opt, &palette, err));
     TRY(status, iso_level_attach_palette(&level, s->pyramid.options.code, &palette, err));
     double seconds = iso_clock_seconds() - start;
     TRY(status, iso_palette_measure(&set, &palette, &e, err));
-    snprintf(name, sizeof name, "%s-%zu%s", how == ISO_PALETTE_KMEANS ? "palette" : iso_palette_method_name(how),
+    snprintf(name, sizeof name, "%s-%zu%s", how == ISO_RIVAL_KMEANS ? "palette" : iso_palette_rival_name(how),
              directions, weighted ? " for the scene" : "");
     method m = {name, iso_palette_bits(&palette) > 8 ? 2 : 1, seconds, e.rms_deg};
     if (status == ISO_OK)
@@ -240,11 +240,11 @@ static iso_status all_rows(stage *s, iso_error *err)
     for (int code = 0; code < ISO_CODE_COUNT && status == ISO_OK; ++code)
         if (iso_code_describe((iso_code)code)->is_textured)
             status = code_row(s, (iso_code)code, err);
-    TRY(status, palette_rows(s, ISO_PALETTE_KMEANS, 254, false, true, err));
-    TRY(status, palette_rows(s, ISO_PALETTE_KMEANS, 254, true, false, err));
-    TRY(status, palette_rows(s, ISO_PALETTE_FACES, 240, false, false, err));
-    TRY(status, palette_rows(s, ISO_PALETTE_KMEANS, 1022, false, false, err));
-    return status == ISO_OK ? palette_rows(s, ISO_PALETTE_KMEANS, 1022, true, false, err) : status;
+    TRY(status, palette_rows(s, ISO_RIVAL_KMEANS, 254, false, true, err));
+    TRY(status, palette_rows(s, ISO_RIVAL_KMEANS, 254, true, false, err));
+    TRY(status, palette_rows(s, ISO_RIVAL_FACES, 240, false, false, err));
+    TRY(status, palette_rows(s, ISO_RIVAL_KMEANS, 1022, false, false, err));
+    return status == ISO_OK ? palette_rows(s, ISO_RIVAL_KMEANS, 1022, true, false, err) : status;
 }
 
 /* True if any option besides the size is given. */

@@ -5,9 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "palette/palette_fit.h"
-#include "palette/palette_regular.h"
-
 static const struct {
     const char *name, *summary;
 } methods[] = {
@@ -38,7 +35,6 @@ iso_palette_options iso_palette_defaults(void)
         .directions = 254,
         .seed = 1,
         .swap_trials = 16,
-        .anneal = {.start_prob = 0.2, .temp_fac = 0.92, .cycles = 100, .steps = 10000, .move_deg = {10, 15}},
     };
 }
 
@@ -70,78 +66,12 @@ int iso_palette_bits(const iso_palette *palette)
     return bits;
 }
 
-iso_status iso_palette_check(const iso_palette_options *opt, iso_error *err)
+void iso_palette_put(iso_palette *palette, size_t entry, iso_vec3 direction)
 {
-    const iso_anneal_options *a = &opt->anneal;
-    if (opt->directions < 1 || opt->directions > ISO_PALETTE_MAX)
-        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, must be 1 to %d", opt->directions, ISO_PALETTE_MAX);
-    if (opt->method == ISO_PALETTE_FACES && opt->directions < 60)
-        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, regular faces need at least 60", opt->directions);
-    if (opt->method == ISO_PALETTE_VERTICES && opt->directions < 32)
-        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, regular vertices need at least 32",
-                        opt->directions);
-    if (opt->method == ISO_PALETTE_GRID && opt->directions < 2)
-        return iso_fail(err, ISO_E_RANGE, "palette: 1 direction, the grid needs at least 2");
-    if (opt->method != ISO_PALETTE_ANNEAL)
-        return ISO_OK;
-    if (opt->directions < 8 || opt->directions % 2)
-        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, a tessellation needs an even number, at least 8",
-                        opt->directions);
-    if (!(a->start_prob > 0 && a->start_prob < 1))
-        return iso_fail(err, ISO_E_RANGE, "palette: start probability %g, must be between 0 and 1", a->start_prob);
-    if (!(a->temp_fac > 0 && a->temp_fac <= 1))
-        return iso_fail(err, ISO_E_RANGE, "palette: temperature factor %g, must be above 0 and at most 1", a->temp_fac);
-    if (!(a->move_deg[0] > 0 && a->move_deg[0] <= a->move_deg[1] && a->move_deg[1] <= 90))
-        return iso_fail(err, ISO_E_RANGE, "palette: moves by %g to %g degrees, must be above 0, ascending, at most 90",
-                        a->move_deg[0], a->move_deg[1]);
-    return ISO_OK;
-}
-
-static iso_status fixed_table(const iso_palette_options *opt, iso_palette *palette, iso_error *err)
-{
-    size_t count = opt->directions;
-    bool faces = opt->method == ISO_PALETTE_FACES;
-    int level = 0;
-    if (faces || opt->method == ISO_PALETTE_VERTICES) {
-        size_t (*size)(int) = faces ? iso_subdivision_faces : iso_subdivision_vertices;
-        while (size(level + 1) <= opt->directions)
-            ++level;
-        count = size(level);
-    } else if (opt->method == ISO_PALETTE_GRID) {
-        count = iso_palette_grid(opt->directions, NULL);
-    }
-    iso_status status = iso_palette_create(palette, count, err);
-    if (status != ISO_OK)
-        return status;
-    float *xyz = palette->xyz + 3;
-    if (opt->method == ISO_PALETTE_GRID)
-        iso_palette_grid(opt->directions, xyz);
-    else if (opt->method == ISO_PALETTE_SPIRAL)
-        iso_palette_spiral(count, xyz);
-    else if (opt->method == ISO_PALETTE_FIBONACCI)
-        iso_palette_fibonacci(count, xyz);
-    else
-        status = iso_palette_subdivide(level, faces, xyz, err);
-    if (status != ISO_OK)
-        iso_palette_destroy(palette);
-    return status;
-}
-
-iso_status iso_palette_fit(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,
-                           const iso_progress *progress, iso_error *err)
-{
-    *palette = (iso_palette){0};
-    iso_status status = iso_palette_check(opt, err);
-    if (status != ISO_OK)
-        return status;
-    switch (opt->method) {
-    case ISO_PALETTE_KMEANS:
-    case ISO_PALETTE_KMEANSPP:
-    case ISO_PALETTE_LLOYD:
-    case ISO_PALETTE_LBG: return iso_palette_fit_kmeans(set, opt, palette, progress, err);
-    case ISO_PALETTE_ANNEAL: return iso_palette_anneal(set, opt, palette, NULL, progress, err);
-    default: return fixed_table(opt, palette, err);
-    }
+    const iso_vec3 n = iso_normalize(direction);
+    palette->xyz[3 * entry] = (float)n.x;
+    palette->xyz[3 * entry + 1] = (float)n.y;
+    palette->xyz[3 * entry + 2] = (float)n.z;
 }
 
 iso_status iso_palette_measure(const iso_direction_set *set, const iso_palette *palette, iso_palette_error *error,

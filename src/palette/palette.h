@@ -1,22 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /* palette.h - directions in one byte (or 9 or 10 bits): an index into a table of
- * directions that is fitted to the data.
+ * directions that is fitted to the data. The paper's method is one of src/lab/rivals.
  *
  * Entry 0 of a palette is the zero vector (no direction, or an unreliable one); the
  * others are unit directions. A voxel stores the index of the entry nearest to its
  * direction; the length is not stored.
  *
- * Papers: [bremer-2001] (annealing of a tessellation); [van-gelder-1996] (regular
- * subdivision); [glassner-1990]; [linde-1980] (Lloyd,
- * LBG); [arthur-2007] (k-means++); [hartigan-1975] (exchange).
+ * Papers: [bremer-2001]; [arthur-2007] (k-means++); [hartigan-1975] (exchange).
  *
  *   palette_set.c       sets of directions to fit a palette to
  *   palette_sample.c    streaming of a volume into such a set, with weights
- *   palette_regular.c   fixed tables: subdivision, Glassner's two, Fibonacci
- *   palette_kmeans.c    Lloyd, LBG, k-means++ with exchange and swaps
- *   palette_anneal.c    the paper's method, on the triangulation of palette_mesh.c
+ *   palette_fit.c       k-means++ with exchange and swaps; the Fibonacci lattice
  *   palette_assign.c    the exact nearest entry by a lookup grid
- *   palette.c           the choice of a method, errors, shading tables
+ *   palette.c           entries, errors, shading tables
  *   palette_export.c    CSV, and tables for POV-Ray and Blender */
 #ifndef ISO_PALETTE_H
 #define ISO_PALETTE_H
@@ -25,6 +21,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/linalg.h"
 #include "base/names.h"
 #include "base/progress.h"
 #include "base/status.h"
@@ -89,10 +86,6 @@ iso_status iso_palette_sample_field(iso_direction_pool *pool, const float *vecto
                                     const float *magnitudes, size_t count, const iso_palette_weighting *weighting,
                                     iso_error *err);
 
-/* Computes the paper's test set: gradients of x^2 + 15 y^2 + 15 z^2 at random points, in
- * the unit ball or on the ellipsoid (3 floats each, unit). */
-void iso_ellipsoid_gradients(float *vectors, size_t count, bool on_surface, uint64_t seed);
-
 /* ---- palettes -------------------------------------------------------------- */
 #define ISO_PALETTE_MAX 32766 /* directions: 15 bits with the zero vector */
 
@@ -103,23 +96,15 @@ typedef struct iso_palette {
 
 iso_status iso_palette_create(iso_palette *palette, size_t direction_count, iso_error *err);
 void iso_palette_destroy(iso_palette *palette);
+/* Sets an entry to the direction of a vector. */
+void iso_palette_put(iso_palette *palette, size_t entry, iso_vec3 direction);
 /* Returns the number of bits of an index. */
 int iso_palette_bits(const iso_palette *palette);
 
 /* enum, name, help */
-/* clang-format off */
-#define ISO_PALETTE_METHOD_LIST(X)                                                                       \
+#define ISO_PALETTE_METHOD_LIST(X) \
     X(ISO_PALETTE_KMEANS, "kmeans", "k-means++, Lloyd, exchange of single members, swaps of useless entries") \
-    X(ISO_PALETTE_KMEANSPP, "kmeans++", "greedy k-means++ and Lloyd")                                    \
-    X(ISO_PALETTE_LLOYD, "lloyd", "Lloyd from random members")                                           \
-    X(ISO_PALETTE_LBG, "lbg", "Lloyd by splitting [linde-1980]")                                  \
-    X(ISO_PALETTE_ANNEAL, "anneal", "annealing of a tessellation [bremer-2001]")                  \
-    X(ISO_PALETTE_FACES, "faces", "regular subdivision, triangle normals (60, 240, 960, 3840)")          \
-    X(ISO_PALETTE_VERTICES, "vertices", "regular subdivision, vertices (32, 122, 482, 1922)")            \
-    X(ISO_PALETTE_GRID, "grid", "Glassner's equal intervals of x and y, and the sign of z")              \
-    X(ISO_PALETTE_SPIRAL, "spiral", "Glassner's equal-area spiral, one for each sign of z")              \
     X(ISO_PALETTE_FIBONACCI, "fibonacci", "the spherical Fibonacci lattice")
-/* clang-format on */
 
 typedef enum iso_palette_method {
 #define ISO_PALETTE_ENUM(name, text, help) name,
@@ -132,44 +117,18 @@ const char *iso_palette_method_name(iso_palette_method method);
 extern const iso_names iso_palette_method_names;
 iso_status iso_palette_method_from_name(const char *name, iso_palette_method *method, iso_error *err);
 
-/* Parameters of the paper, with its names. */
-typedef struct iso_anneal_options {
-    double start_prob; /* probability, at first, to accept a move that costs the mean change */
-    double temp_fac;   /* cooling after each cycle */
-    size_t cycles, steps;
-    double move_deg[2]; /* least and largest angle by which a vertex moves */
-} iso_anneal_options;
-
 typedef struct iso_palette_options {
     iso_palette_method method;
     size_t directions; /* entries without the zero vector; 254 leaves one code of a byte unused */
     uint64_t seed;
     size_t swap_trials; /* kmeans: swaps tried per entry, after those with a certain gain */
-    iso_anneal_options anneal;
 } iso_palette_options;
 iso_palette_options iso_palette_defaults(void);
 
-/* Fits a palette. With fewer distinct directions than entries the fitted methods give each direction an entry; without
- * directions the palette is the zero vector alone. Fixed tables and anneal keep their structure for any data: faces and
- * vertices use the largest level not above `directions`, anneal needs an even number.
- * ISO_E_RANGE: options outside their limits; ISO_E_MEMORY. */
+/* Fits a palette. kmeans: with fewer distinct directions than entries each direction gets an entry; without directions
+ * the palette is the zero vector alone. ISO_E_RANGE: the number of entries; ISO_E_MEMORY. */
 iso_status iso_palette_fit(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,
                            const iso_progress *progress, iso_error *err);
-
-/* The tessellation of a palette by anneal; the normals of its triangles are the entries 1, 2, ... */
-typedef struct iso_tessellation {
-    size_t vertex_count, face_count;
-    double *vertices;     /* 3 each, unit */
-    uint32_t (*faces)[3]; /* counter-clockwise from outside */
-    double start_temperature, end_temperature;
-    size_t moves, refused, accepted; /* refused: would violate the triangulation's conditions */
-    double assigned_norm1;           /* error minimized by annealing: each direction belongs to its triangle */
-} iso_tessellation;
-void iso_tessellation_destroy(iso_tessellation *t); /* accepts empty and NULL */
-
-/* Fits by anneal. *tessellation is destroyed by the caller; NULL: not returned. */
-iso_status iso_palette_anneal(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,
-                              iso_tessellation *tessellation, const iso_progress *progress, iso_error *err);
 
 /* ---- nearest entry ----------------------------------------------------------
  * A grid on the cube's surface lists, for each cell, all entries that are nearest for

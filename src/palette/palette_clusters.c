@@ -49,16 +49,6 @@ void iso_clusters_set_entry(clusters *c, uint32_t k, const float *direction)
 
 /* ---- seeds -------------------------------------------------------------------------- */
 
-void iso_clusters_seed_random(clusters *c, iso_random *random)
-{
-    /* Selection sampling: all sets of `count` items are equally likely. */
-    size_t chosen = 0;
-    for (size_t i = 0; i < c->item_count && chosen < c->count; ++i)
-        if (iso_random_unit(random) * (double)(c->item_count - i) < (double)(c->count - chosen))
-            iso_clusters_set_entry(c, (uint32_t)chosen++, c->u + 3 * i);
-    iso_clusters_assign_all(c);
-}
-
 /* Items in planes, so that a pass over them vectorizes. */
 typedef struct greedy {
     float *x, *y, *z, *r, *best; /* best: the largest dot product with an entry so far */
@@ -288,4 +278,13 @@ double iso_clusters_lloyd(clusters *c, size_t rounds)
             break;
     }
     return total;
+}
+
+iso_status iso_clusters_to_palette(const clusters *c, iso_palette *palette, iso_error *err)
+{
+    const iso_status status = iso_palette_create(palette, c->count, err);
+    for (size_t k = 0; status == ISO_OK && k < c->count; ++k)
+        for (size_t a = 0; a < 3; ++a)
+            palette->xyz[3 * (k + 1) + a] = c->axis[a][k];
+    return status;
 }

@@ -42,7 +42,6 @@ static inline float clusters_dot(const clusters *c, uint32_t k, const float *u)
 void iso_clusters_set_entry(clusters *c, uint32_t k, const float *direction);
 
 /* Chooses the first `count` entries and each item's owner. */
-void iso_clusters_seed_random(clusters *c, iso_random *random);
 iso_status iso_clusters_seed_greedy(clusters *c, iso_random *random, iso_error *err);
 
 /* Assigns every item to the nearest of all entries. */
@@ -54,5 +53,6 @@ void iso_clusters_find_neighbors(clusters *c, uint32_t k);
 double iso_clusters_lloyd(clusters *c, size_t rounds);
 /* Rebuilds the lists of items, S and |S| from the owners. Returns the sum of |S|. */
 double iso_clusters_collect(clusters *c);
+iso_status iso_clusters_to_palette(const clusters *c, iso_palette *palette, iso_error *err);
 
 #endif

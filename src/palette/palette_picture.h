@@ -11,8 +11,5 @@ iso_status iso_palette_picture_png(const iso_palette *palette, const iso_directi
                                    iso_error *err);
 /* Writes an EXR: count x 1 floats, entry i in pixel i as R, G, B. */
 iso_status iso_palette_picture_exr(const iso_palette *palette, const char *path, const char *note, iso_error *err);
-/* Writes an SVG: the front of the tessellation over the set's directions ([bremer-2001] Figure 9). */
-iso_status iso_palette_picture_svg(const iso_tessellation *t, const iso_direction_set *set, const char *path,
-                                   iso_error *err);
 
 #endif

@@ -11,7 +11,6 @@
 #include <math.h>
 
 #include "palette/palette_clusters.h"
-#include "palette/palette_fit.h"
 
 typedef struct saved_cluster {
     uint32_t k;

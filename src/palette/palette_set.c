@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/parallel.h"
-#include "base/random.h"
 #include "palette/palette.h"
 #include "palette/palette_cube.h"
 
@@ -250,52 +249,4 @@ iso_status iso_direction_pool_finish(const iso_direction_pool *pool, iso_directi
     for (int t = 0; t < pool->threads; ++t)
         set->undefined_weight += (double)pool->undefined[8 * t] / (double)POOL_UNIT;
     return ISO_OK;
-}
-
-/* ---- the paper's ellipsoid ----------------------------------------------------- */
-
-/* Draws a point uniformly from the unit ball, by rejection from the cube. */
-static void point_in_ball(iso_random *random, double p[3])
-{
-    double r2;
-    do {
-        for (int c = 0; c < 3; ++c)
-            p[c] = 2 * iso_random_unit(random) - 1;
-        r2 = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-    } while (r2 > 1 || r2 < 1e-12);
-}
-
-/* Draws a gradient on the surface. q uniform on the unit sphere gives the point (q_x, q_y / sqrt(15), q_z /
- * sqrt(15)) of the ellipsoid; its area grows with the gradient (q_x, sqrt(15) q_y, sqrt(15) q_z), so q is accepted
- * in proportion. */
-static void gradient_on_surface(iso_random *random, double g[3])
-{
-    const double stretch = sqrt(15);
-    double n, m;
-    do {
-        point_in_ball(random, g);
-        n = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-        g[0] /= n;
-        g[1] *= stretch / n;
-        g[2] *= stretch / n;
-        m = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-    } while (iso_random_unit(random) * stretch > m);
-}
-
-void iso_ellipsoid_gradients(float *vectors, size_t count, bool on_surface, uint64_t seed)
-{
-    iso_random random = {seed};
-    for (size_t i = 0; i < count; ++i) {
-        double g[3];
-        if (on_surface) {
-            gradient_on_surface(&random, g);
-        } else {
-            point_in_ball(&random, g);
-            g[1] *= 15;
-            g[2] *= 15;
-        }
-        double n = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-        for (int c = 0; c < 3; ++c)
-            vectors[3 * i + (size_t)c] = (float)(g[c] / n);
-    }
 }

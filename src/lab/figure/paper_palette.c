@@ -9,7 +9,7 @@
 #include "figure/paper.h"
 #include "lab/figure/paper_kinds.h"
 #include "lab/figure/paper_wing.h"
-#include "palette/palette.h"
+#include "lab/rivals/palettes.h"
 #include "pyramid/palette_level.h"
 #include "render/gl/raycaster.h"
 #include "scene/viewpoint.h"
@@ -73,14 +73,14 @@ static iso_status sample(const iso_figure_job *job, stage *s, iso_error *err)
 static iso_status fit(stage *s, size_t entries, iso_error *err)
 {
     enum { FEW = 24 }; /* cells: enough for annealing */
-    iso_palette_options opt = iso_palette_defaults();
+    iso_rival_options opt = iso_rival_defaults();
     iso_direction_set few = {0};
-    opt.directions = entries;
-    opt.method = ISO_PALETTE_ANNEAL;
+    opt.fit.directions = entries;
+    opt.method = ISO_RIVAL_ANNEAL;
     iso_status status = iso_direction_set_coarsen(&s->set, FEW, &few, err);
-    TRY(status, iso_palette_fit(&few, &opt, &s->methods[1].palette, NULL, err));
-    opt.method = ISO_PALETTE_FACES;
-    TRY(status, iso_palette_fit(&s->set, &opt, &s->methods[2].palette, NULL, err));
+    TRY(status, iso_rival_palette_fit(&few, &opt, &s->methods[1].palette, err));
+    opt.method = ISO_RIVAL_FACES;
+    TRY(status, iso_rival_palette_fit(&s->set, &opt, &s->methods[2].palette, err));
     for (int i = 1; i < METHODS && status == ISO_OK; ++i) {
         method *m = &s->methods[i];
         status = iso_palette_measure(&s->set, &m->palette, &m->error, err);

@@ -1,48 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* palette_kmeans.c - the default: greedy k-means++, Lloyd, then the searches of palette_search.h. */
+/* palette_fit.c - the default, k-means: greedy k-means++, Lloyd, then the searches of palette_search.h; and the
+ * lattice. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/linalg.h"
 #include "palette/palette_search.h"
-
-/* ---- seeds by splitting [linde-1980] -------------------------------------------- */
-
-/* Doubles the number of entries, or splits the costliest ones if that is too many; runs Lloyd after each step. */
-static iso_status grow_by_splitting(clusters *c, const iso_direction_set *set, iso_error *err)
-{
-    size_t wanted = c->count;
-    iso_clusters_set_entry(c, 0, set->xyz);
-    memset(c->owner, 0, c->item_count * sizeof *c->owner);
-    c->count = 1;
-    iso_clusters_collect(c);
-    while (c->count < wanted) {
-        size_t now = c->count, left = wanted - now;
-        double *gain = malloc(now * sizeof *gain);
-        if (!gain)
-            return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu clusters", wanted);
-        float side[3];
-        for (uint32_t k = 0; k < now; ++k)
-            gain[k] = iso_clusters_split(c, k, side);
-        for (size_t i = 0; i < now && i < left; ++i) {
-            uint32_t k = extreme_cluster(gain, -1, now), fresh = (uint32_t)c->count;
-            if (iso_clusters_split(c, k, side) < 0)
-                break;
-            gain[k] = -2;
-            ++c->count;
-            iso_clusters_set_entry(c, fresh, side);
-            c->cluster[fresh] = (cluster){.head = NO_ITEM};
-        }
-        free(gain);
-        /* Impossible: each cluster would have one item, but there are more items than entries. */
-        if (c->count == now)
-            break;
-        iso_clusters_assign_all(c);
-        iso_clusters_lloyd(c, 20);
-    }
-    return ISO_OK;
-}
-
-/* ---- fit ------------------------------------------------------------------------- */
 
 /* Makes each direction an entry, if there are no more directions than entries. */
 static iso_status one_entry_each(const iso_direction_set *set, iso_palette *palette, iso_error *err)
@@ -109,36 +72,42 @@ static iso_status fit_large(clusters *c, const iso_direction_set *set, const iso
     return status;
 }
 
-static iso_status fit_clusters(clusters *c, const iso_direction_set *set, const iso_palette_options *opt,
-                               const iso_progress *progress, iso_error *err)
-{
-    iso_random random = {opt->seed};
-    iso_status status = ISO_OK;
-    switch (opt->method) {
-    case ISO_PALETTE_KMEANS:
-        return set->count > SEARCH_BUNDLES * c->count ? fit_large(c, set, opt, &random, progress, err)
-                                                      : fit_search(c, opt, &random, progress, err);
-    case ISO_PALETTE_LLOYD: iso_clusters_seed_random(c, &random); break;
-    case ISO_PALETTE_LBG: status = grow_by_splitting(c, set, err); break;
-    default: status = iso_clusters_seed_greedy(c, &random, err);
-    }
-    if (status == ISO_OK)
-        iso_clusters_lloyd(c, 200);
-    return status;
-}
-
-iso_status iso_palette_fit_kmeans(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,
-                                  const iso_progress *progress, iso_error *err)
+static iso_status fit_kmeans(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,
+                             const iso_progress *progress, iso_error *err)
 {
     if (set->count <= opt->directions)
         return one_entry_each(set, palette, err);
     clusters c;
+    iso_random random = {opt->seed};
     iso_status status = iso_clusters_create(&c, set, opt->directions, err);
-    TRY(status, fit_clusters(&c, set, opt, progress, err));
-    TRY(status, iso_palette_create(palette, opt->directions, err));
-    for (size_t k = 0; status == ISO_OK && k < opt->directions; ++k)
-        for (size_t a = 0; a < 3; ++a)
-            palette->xyz[3 * (k + 1) + a] = c.axis[a][k];
+    if (status == ISO_OK && set->count > SEARCH_BUNDLES * c.count)
+        status = fit_large(&c, set, opt, &random, progress, err);
+    else if (status == ISO_OK)
+        status = fit_search(&c, opt, &random, progress, err);
+    TRY(status, iso_clusters_to_palette(&c, palette, err));
     iso_clusters_destroy(&c);
     return status;
+}
+
+/* Makes the spherical Fibonacci lattice, which does not depend on data. */
+static iso_status make_lattice(size_t directions, iso_palette *palette, iso_error *err)
+{
+    const double golden_angle = acos(-1) * (3 - sqrt(5));
+    const iso_status status = iso_palette_create(palette, directions, err);
+    for (size_t i = 0; status == ISO_OK && i < directions; ++i) {
+        const double z = 1 - (2 * (double)i + 1) / (double)directions, r = sqrt(1 - z * z);
+        const double a = golden_angle * (double)i;
+        iso_palette_put(palette, i + 1, iso_v3(r * cos(a), r * sin(a), z));
+    }
+    return status;
+}
+
+iso_status iso_palette_fit(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,
+                           const iso_progress *progress, iso_error *err)
+{
+    *palette = (iso_palette){0};
+    if (opt->directions < 1 || opt->directions > ISO_PALETTE_MAX)
+        return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, must be 1 to %d", opt->directions, ISO_PALETTE_MAX);
+    return opt->method == ISO_PALETTE_KMEANS ? fit_kmeans(set, opt, palette, progress, err)
+                                             : make_lattice(opt->directions, palette, err);
 }

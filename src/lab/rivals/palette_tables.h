@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* palette_regular.h - fixed tables, independent of the data. */
-#ifndef ISO_PALETTE_REGULAR_H
-#define ISO_PALETTE_REGULAR_H
+/* palette_tables.h - fixed tables, independent of the data. */
+#ifndef ISO_LAB_PALETTE_TABLES_H
+#define ISO_LAB_PALETTE_TABLES_H
 
 #include "palette/palette.h"
 
@@ -15,7 +15,5 @@ iso_status iso_palette_subdivide(int level, bool faces, float *xyz, iso_error *e
  * of codes with a direction: about a quarter of the cells lie outside the disc. xyz may be NULL, to count. */
 size_t iso_palette_grid(size_t directions, float *xyz);
 void iso_palette_spiral(size_t directions, float *xyz);
-
-void iso_palette_fibonacci(size_t directions, float *xyz);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "palette/palette_regular.h"
+#include "lab/rivals/palette_tables.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -182,14 +182,5 @@ void iso_palette_spiral(size_t directions, float *xyz)
         double r2 = ((double)k + 0.5) / (double)n, angle = 2 * sqrt(pi * ((double)k + 0.5));
         double z = sqrt(1 - r2) * (i < upper ? 1 : -1);
         put(xyz, i, iso_v3(sqrt(r2) * cos(angle), sqrt(r2) * sin(angle), z));
-    }
-}
-
-void iso_palette_fibonacci(size_t directions, float *xyz)
-{
-    const double golden_angle = acos(-1) * (3 - sqrt(5));
-    for (size_t i = 0; i < directions; ++i) {
-        double z = 1 - (2 * (double)i + 1) / (double)directions, r = sqrt(1 - z * z), a = golden_angle * (double)i;
-        put(xyz, i, iso_v3(r * cos(a), r * sin(a), z));
     }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "palette/palette_mesh.h"
+#include "lab/rivals/palette_mesh.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -13,12 +13,12 @@
  *      b  |  d
  *       \ | /               patch of a move: the triangles that it changed; its outline
  *         c                 stays, so that it contains the same directions as before */
-#ifndef ISO_PALETTE_MESH_H
-#define ISO_PALETTE_MESH_H
+#ifndef ISO_LAB_PALETTE_MESH_H
+#define ISO_LAB_PALETTE_MESH_H
 
 #include "base/linalg.h"
 #include "base/random.h"
-#include "palette/palette.h"
+#include "base/status.h"
 
 typedef struct mesh_triangle {
     uint32_t v[3], n[3];

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "palette/palette_fit.h"
-#include "palette/palette_mesh.h"
+#include "lab/rivals/palette_mesh.h"
+#include "lab/rivals/palettes.h"
 
 /* [bremer-2001] Figure 4 and section 3: random moves of a random vertex, reassignment of the directions in the changed
  * patch to its triangles, Metropolis acceptance.
@@ -173,8 +173,7 @@ static void annealer_destroy(annealer *a)
 }
 
 /* Runs Figure 4 of the paper. */
-static void anneal(annealer *a, const iso_anneal_options *opt, iso_random *random, iso_tessellation *stats,
-                   const iso_progress *progress)
+static void anneal(annealer *a, const iso_anneal_options *opt, iso_random *random, iso_tessellation *stats)
 {
     double temperature = start_temperature(a, opt, random);
     stats->start_temperature = temperature;
@@ -194,7 +193,6 @@ static void anneal(annealer *a, const iso_anneal_options *opt, iso_random *rando
             }
         }
         temperature *= opt->temp_fac;
-        iso_progress_report(progress, "annealing", (double)(cycle + 1) / (double)opt->cycles);
     }
     stats->end_temperature = temperature;
 }
@@ -225,31 +223,31 @@ static iso_status export_mesh(const mesh *m, iso_tessellation *t, iso_error *err
     return ISO_OK;
 }
 
-iso_status iso_palette_anneal(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,
-                              iso_tessellation *tessellation, const iso_progress *progress, iso_error *err)
+iso_status iso_rival_palette_anneal(const iso_direction_set *set, const iso_rival_options *opt, iso_palette *palette,
+                                    iso_tessellation *tessellation, iso_error *err)
 {
     *palette = (iso_palette){0};
     if (tessellation)
         *tessellation = (iso_tessellation){0};
-    iso_palette_options checked = *opt;
-    checked.method = ISO_PALETTE_ANNEAL;
-    iso_status status = iso_palette_check(&checked, err);
+    iso_rival_options checked = *opt;
+    checked.method = ISO_RIVAL_ANNEAL;
+    iso_status status = iso_rival_palette_check(&checked, err);
     if (status == ISO_OK && set->count >= END)
         status = iso_fail(err, ISO_E_RANGE, "palette: %zu bundles of directions, at most %u", set->count, END - 1);
     if (status != ISO_OK)
         return status;
-    iso_random random = {opt->seed};
+    iso_random random = {opt->fit.seed};
     iso_tessellation own = {0};
     annealer a;
-    status = annealer_create(&a, set, opt->directions, &random, err);
+    status = annealer_create(&a, set, opt->fit.directions, &random, err);
     if (status == ISO_OK) {
-        anneal(&a, &opt->anneal, &random, &own, progress);
+        anneal(&a, &opt->anneal, &random, &own);
         own.assigned_norm1 = a.cost;
-        status = iso_palette_create(palette, opt->directions, err);
+        status = iso_palette_create(palette, opt->fit.directions, err);
     }
     if (status == ISO_OK && tessellation)
         status = export_mesh(&a.mesh, &own, err);
-    for (size_t i = 0; status == ISO_OK && i < opt->directions; ++i)
+    for (size_t i = 0; status == ISO_OK && i < opt->fit.directions; ++i)
         for (size_t c = 0; c < 3; ++c)
             palette->xyz[3 * (i + 1) + c] = (float)a.old_face[i].normal[c];
     if (status == ISO_OK && tessellation)
