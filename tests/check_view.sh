@@ -72,6 +72,12 @@ z, y, x = numpy.mgrid[0:17, 0:21, 0:19]
 values = (1000 * numpy.exp(-((x - 9) ** 2 + (y - 12) ** 2 + (z - 8) ** 2) / 40)).astype("int16").transpose(2, 1, 0)
 turn = numpy.array([[-1.2, 0.3, 0, 10], [0.2, 1.5, 0.1, -20], [0, -0.1, 2, 5], [0, 0, 0, 1]])
 nibabel.save(nibabel.Nifti1Image(values, turn), "other.nii.gz")
+far = (x - 9) ** 2 + (y - 12) ** 2 + (z - 8) ** 2
+gaps = numpy.where((x > 5) & (y > 8) & (z < 9), numpy.nan, far).astype("float32")
+head = b"NRRD0004\ntype: float\ndimension: 3\nsizes: 19 21 17\nspacings: 1 1.2 1\nendian: little\nencoding: raw\n\n"
+for name, values in (("gaps.nrrd", gaps), ("zeros.nrrd", numpy.nan_to_num(gaps))):
+    with open(name, "wb") as f:
+        f.write(head + values.tobytes())
 END
 python3 -c 'import sys; sys.path.insert(0, sys.argv[1]); import view_files; view_files.make_files(".")' "$top/tests"
 expect the_page_was_used 0 python3 "$top/tests/view_page.py" hands v.html "$dir"
@@ -102,6 +108,13 @@ for file in nrrd nii.gz; do # the camera is in millimeters: the page and the pro
         -o "opened-$kind.exr" >/dev/null
     check "a_${kind}_file_is_opened" "$ISOSHADE" compare "opened-$kind.exr" "opened-$kind.page.exr" --max-rmse 5e-5 --max-abs 1e-3
 done
+
+# The reference takes other differences next to gaps.
+gaps_drawn() { "$ISOSHADE" render "$1.nrrd" --scene opened-gaps.json --shading-from on-the-fly --with gl -q -o "$1.exr" >/dev/null; }
+gaps_drawn gaps
+check gaps_are_no_data "$ISOSHADE" compare gaps.exr opened-gaps.page.exr --max-rmse 5e-5 --max-abs 1e-3
+gaps_drawn zeros
+notice gaps_drawn_as_values_are_noticed "$ISOSHADE" compare zeros.exr opened-gaps.page.exr --max-rmse 5e-5 --max-abs 1e-3
 
 # ---- what is saved: pictures as the program draws them, also in bands; the page; links; steps of editing ----
 "$ISOSHADE" make shells --size 34x33x32 -q -o v.nrrd

@@ -137,11 +137,14 @@ def hands(path, folder):
         # Other volumes, as a file that is chosen; dropped ones go the same way.
         root = page.call("DOM.getDocument")["root"]["nodeId"]
         node = page.call("DOM.querySelector", nodeId=root, selector="#open")["nodeId"]
-        for name in ("other.nrrd", "other.nii.gz"):
+        for name in ("other.nrrd", "other.nii.gz", "gaps.nrrd"):
             page.call("DOM.setFileInputFiles", nodeId=node, files=[os.path.abspath(os.path.join(folder, name))])
             page.wait(f"isoshade.data.title === '{name}' && document.getElementById('title').textContent === '{name}'")
             page.evaluate("isoshade.frames.settled()")
-            kind = name.split(".")[1]
+            kind = "gaps" if name == "gaps.nrrd" else name.split(".")[1]
+            if kind == "gaps":  # the least values are seen, so that voxels without data would be seen with them
+                page.evaluate(f"""{state}.tf = {{...{state}.tf,
+                    points: {state}.tf.points.map(p => ({{...p, opacity: p.opacity + 0.05}}))}}""")
             with open(os.path.join(folder, f"opened-{kind}.json"), "w") as f:
                 f.write(page.evaluate("JSON.stringify({...isoshade.controls.sceneNow(), image: {width: 80, height: 80}})"))
             # The scene has the camera of the page's own shape: the same one for a square picture.

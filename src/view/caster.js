@@ -14,6 +14,7 @@ const makeCaster = (context, data) => {
         if (tables.has(key)) return tables.get(key);
         let table = given || tabulate(tf, data.value_range, data.mean_spacing_mm);
         if (adapted && level.adapter) table = adaptTable(level.adapter, table, data.mean_spacing_mm);
+        if (data.has_no_data) table = endedBelow(table, data.value_range[0]);
         const ranges = level.ranges ??= brickRanges(level.numbers, level.size);
         const occupancy = occupancyOf(ranges, level.scalar, table), made = {...table, skip: occupancy.part <= skipOccupied, part: occupancy.part};
         made.texture = uploadTable(context, table);

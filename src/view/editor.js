@@ -5,7 +5,10 @@ const histogramOf = (level, [lo, hi]) => {
     const whole = level.scalar.kind === 'integer' && hi - lo < 512, bins = whole ? hi - lo + 1 : 256;
     if (whole) [lo, hi] = [lo - 0.5, hi + 0.5];
     const counts = new Float64Array(bins), {numbers, scalar} = level, factor = bins / ((hi - lo) || 1), stride = Math.max(1, Math.floor(numbers.length / 4e6));
-    for (let i = 0; i < numbers.length; i += stride) ++counts[clamp(Math.floor((scalar.zero + numbers[i] * scalar.step - lo) * factor), 0, bins - 1)];
+    for (let i = 0; i < numbers.length; i += stride) {
+        const value = valueOfNumber(level, numbers[i]);
+        if (hasData(level, value)) ++counts[clamp(Math.floor((value - lo) * factor), 0, bins - 1)];
+    }
     const most = Math.log1p(counts.reduce((m, c) => Math.max(m, c), 0));
     return {heights: [...counts].map(c => Math.log1p(c) / most), lo, hi};
 };
@@ -18,6 +21,8 @@ const jointPicture = (level, [lo, hi]) => {
     const step = Math.max(1, Math.round(Math.cbrt(nx * ny * nz / 2e6))), columns = [], magnitudes = [];
     for (let z = 1; z < nz - 1; z += step) for (let y = 1; y < ny - 1; y += step) for (let x = 1; x < nx - 1; x += step) {
         const i = x + nx * (y + ny * z);
+        const around = [0, 1, -1, nx, -nx, nx * ny, -nx * ny];
+        if (level.has_no_data && !around.every(d => hasData(level, valueOfNumber(level, numbers[i + d])))) continue;
         columns.push(clamp(Math.floor((scalar.zero + numbers[i] * scalar.step - lo) * column), 0, width - 1));
         magnitudes.push(Math.hypot((numbers[i + 1] - numbers[i - 1]) * sx, (numbers[i + nx] - numbers[i - nx]) * sy, (numbers[i + nx * ny] - numbers[i - nx * ny]) * sz));
     }

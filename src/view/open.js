@@ -2,19 +2,24 @@
 // open.js - opens a NRRD or NIfTI-1 file that is dropped on the page as its volume: one level, shaded by gradients on
 // the fly. Other files need `isoshade view`.
 
-// Like form_of() of contents.c: integers of 16 bits unchanged, others as floats over the range.
+// Like form_of() of contents.c: integers of 16 bits unchanged, others as floats over the range. NaN is no data.
+const standInRanges = 2 ** 20; // ISO_STAND_IN_DEVICE
 const levelOfVolume = ({type, geometry, values}) => {
-    let min = Infinity, max = -Infinity, bad = 0;
+    let min = Infinity, max = -Infinity, bad = 0, gaps = 0;
     for (const v of values) {
-        if (!Number.isFinite(v)) ++bad;
+        if (Number.isNaN(v)) ++gaps;
+        else if (!Number.isFinite(v)) ++bad;
         if (v < min) min = v;
         if (v > max) max = v;
     }
-    if (bad > 0) throw new Error(`${bad} of ${values.length} voxels are NaN or infinite, none may be`);
+    if (bad > 0) throw new Error(`${bad} of ${values.length} voxels are infinite, none may be`);
+    if (gaps === values.length) throw new Error('no voxel has data');
     const small = /^u?int(8|16)$/.test(type) && max - min <= 65535, range = max - min || 1;
     const numbers = new (!small ? Float32Array : max - min <= 255 ? Uint8Array : Uint16Array)(values.length);
-    for (let i = 0; i < values.length; ++i) numbers[i] = (values[i] - min) / (small ? 1 : range);
-    return {...geometry, level: 0, min, max, labels: false, codes: [], numbers, scalar: {kind: small ? 'integer' : 'float', zero: min, step: small ? 1 : range, packed: 0}};
+    for (let i = 0; i < values.length; ++i)
+        numbers[i] = Number.isNaN(values[i]) ? -standInRanges : (values[i] - min) / (small ? 1 : range);
+    const scalar = {kind: small ? 'integer' : 'float', zero: min, step: small ? 1 : range, packed: 0};
+    return {...geometry, has_no_data: gaps > 0, level: 0, min, max, labels: false, codes: [], numbers, scalar};
 };
 
 const openFile = async (file, most) => {
@@ -38,8 +43,14 @@ const replaceVolume = (data, state, level, name) => {
     const laid = tf => laidOnRange(tf, data.value_range, data.mean_spacing_mm), presets = data.presets.map(p => ({...p, tf: laid(p.tf)}));
     state.tf = laid(state.tf);
     // isoshade may treat integers as labels, which are not interpolated.
-    Object.assign(data, {title: name, input: quoted(name) + ' --no-labels', levels: [level], codes: [], presets, geometry: level, geometry0: level, value_range: [level.min, level.max], mean_spacing_mm: spacing});
-    Object.assign(state, {level: 0, code: null, adapted: false, compare: 'none', clips: [], roi: null, tfName: 'scene', edited: null, b: {level: 0, code: null, adapted: false}});
+    const {is_patient, has_no_data, min, max} = level;
+    Object.assign(data, {
+        title: name, input: quoted(name) + ' --no-labels', levels: [level], codes: [], presets, geometry: level, geometry0: level,
+        segments: null, is_patient, has_no_data, value_range: [min, max], mean_spacing_mm: spacing,
+    });
+    const plain = {level: 0, code: null, adapted: false};
+    Object.assign(state, {...plain, b: plain, compare: 'none', clips: [], roi: null, tfName: 'scene', edited: null});
+    Object.assign(state, {cross: boxCenter(level), window: null, measure: null, colors: false});
     state.sceneAspect = Math.min(1, state.sceneAspect);
     state.camera = lookingFrom(state.camera, level, viewpoints[0][1], viewpoints[0][2], state.sceneAspect);
     data.scene = {...data.scene, image: {width: state.sceneAspect, height: 1}, camera: {...cameraJson(state.camera)}, clip_planes: [], tf: state.tf};

@@ -39,6 +39,6 @@ const parseNifti = async packed => {
     if (!mm) throw new Error(`its unit of lengths has the code ${unit}, which NIfTI does not define`);
     const size = threeSizes(Array.from({length: clamp(short(40), 0, 7)}, (_, a) => short(42 + 2 * a)), 'NIfTI');
     const {columns, center} = niftiAffine(float, short), slope = float(112), intercept = float(116), scaled = Number.isFinite(slope) && slope !== 0 && Number.isFinite(intercept);
-    return {geometry: geometryOf(size, columns.map(c => scale(c, mm)), center && scale(center, mm)),
+    return {geometry: geometryOf(size, columns.map(c => scale(c, mm)), center && scale(center, mm), Boolean(center)),
         ...decodeSamples(bytes, Math.round(float(108)), size, type, little, ...(scaled ? [slope, intercept] : []))};
 };

@@ -29,18 +29,20 @@ const unitsOf = text => [0, 1, 2].map(a => millimeters([...(text ?? '').matchAll
 
 // Directions in the space; in right, anterior, superior for a space of a body.
 const orientedNrrd = (field, size) => {
+    const isPatient = /^((left-posterior|(left|right)-anterior)-superior|lps|las|ras)$/i.test(field.space ?? '');
     const signs = /^(left-posterior-superior|lps)$/i.test(field.space ?? '') ? [-1, -1, 1] : /^(left-anterior-superior|las)$/i.test(field.space ?? '') ? [-1, 1, 1] : [1, 1, 1];
     const factors = unitsOf(field.spaceunits).map((mm, i) => mm * signs[i]), placed = text => wordsOf(text).map((x, i) => Number(x) * factors[i]);
     const columns = [...(field.spacedirections ?? '').matchAll(/\(([^)]*)\)/g)].map(m => placed(m[1])), origin = /\(([^)]*)\)/.exec(field.spaceorigin ?? '');
     if (columns.length !== 3 || columns.some(c => c.length !== 3)) throw new Error('its space directions are not three vectors of three numbers');
-    return geometryOf(size, columns, origin && placed(origin[1]));
+    return geometryOf(size, columns, origin && placed(origin[1]), isPatient);
 };
 const plainNrrd = (field, size) => {
     const mm = unitsOf(field.units), given = wordsOf(field.spacings).map(Number), mins = wordsOf(field.axismins).map(Number);
     const spacing = mm.map((factor, a) => checkedSpacing(given[a]) * factor), columns = [0, 1, 2].map(a => [0, 1, 2].map(i => i === a ? spacing[a] : 0));
     const isNode = wordsOf(field.centerings ?? field.centers).map(w => w === 'node');
     const placed = [0, 1, 2].every(a => Number.isFinite(mins[a]));
-    return geometryOf(size, columns, placed ? spacing.map((s, a) => mins[a] * mm[a] + (isNode[a] ? 0 : 0.5 * s)) : null);
+    const center = placed ? spacing.map((s, a) => mins[a] * mm[a] + (isNode[a] ? 0 : 0.5 * s)) : null;
+    return geometryOf(size, columns, center, false);
 };
 
 const parseNrrd = async bytes => {

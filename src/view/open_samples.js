@@ -59,12 +59,13 @@ const checkedSpacing = mm => {
 };
 
 // From voxel centers to outer corners: voxel i has its center at i + 1/2. center: of the first voxel; without it the
-// volume is centered at the origin.
-const geometryOf = (size, columns, center) => {
+// volume is centered at the origin. isPatient: the world's axes are right, anterior, superior.
+const geometryOf = (size, columns, center, isPatient) => {
     const first = center ?? columns.reduce((m, c, a) => madd(m, c, -(size[a] - 1) / 2), [0, 0, 0]);
     const spans = Math.abs(dot(columns[0], cross(columns[1], columns[2]))), lengths = columns.map(length);
     if (!(spans > 1e-9 * lengths[0] * lengths[1] * lengths[2]) || !Number.isFinite(spans))
         throw new Error(`its axes (spacings ${lengths.map(l => Number(l.toPrecision(3))).join(', ')} mm) span no volume`);
     if (!first.every(Number.isFinite)) throw new Error('its origin is not finite');
-    return {size, box_index: size, index_to_world: transpose(columns), origin_mm: columns.reduce((o, c) => madd(o, c, -0.5), first)};
+    const origin_mm = columns.reduce((o, c) => madd(o, c, -0.5), first);
+    return {size, is_patient: isPatient, box_index: size, index_to_world: transpose(columns), origin_mm};
 };

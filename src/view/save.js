@@ -49,7 +49,7 @@ const isPlain = v => v === null || ['boolean', 'string'].includes(typeof v) || N
 const sameKind = (a, b) => b !== null && Array.isArray(a) === Array.isArray(b) && typeof a === typeof b;
 // Takes a kept state over. Throws if it is none of this page.
 const restore = (state, kept) => {
-    const may = {edited: true, roi: true, code: true}; // null or a value
+    const may = {edited: true, roi: true, code: true, measure: true, window: true}; // null or a value
     const fits = key => key in kept && (may[key] || sameKind(state[key], kept[key]));
     const belongs = isPlain(kept) && kept && Object.keys(state).every(fits) && kept.tf.points?.length > 0;
     if (!belongs || kept.lights.length > 8 || kept.clips.length > 6 || !(kept.step >= 0.1))

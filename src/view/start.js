@@ -18,7 +18,11 @@ const start = async () => {
     const state = makeState(data), caster = makeCaster(context, data);
     const packed = () => data.levels.flatMap(l => [l.scalar, ...l.codes, ...(l.joint ? [l.joint] : []), ...(l.layout ? [l.layout] : [])]).reduce((sum, d) => sum + d.packed, 0);
     const pageBytes = packed() * 4 / 3 + 16e4; // base64; the page itself
-    let controls = null, outline = null, edits = null, noted = 0;
+    let controls = null, outline = null, slices = null, edits = null, noted = 0;
+    const noteSoon = () => {
+        clearTimeout(noted);
+        noted = setTimeout(() => edits?.note(), 300); // after a drag, not during it
+    };
     const status = told => {
         if (told instanceof Error) { say(told.message); document.documentElement.dataset.failed = told.message; throw told; }
         const wait = data.levels.filter(l => !l.numbers).length;
@@ -28,9 +32,9 @@ const start = async () => {
         document.documentElement.dataset.shown = told.kind;
         if (!document.documentElement.dataset.first) document.documentElement.dataset.first = Math.round(performance.now());
         outline?.();
+        slices?.draw();
         controls?.showCommand();
-        clearTimeout(noted);
-        noted = setTimeout(() => edits?.note(), 300); // after a drag, not during it
+        noteSoon();
     };
     const frames = makeFrames(context, caster, data, state, canvas, status);
     outline = makeOutline($('outline'), data, state, frames);
@@ -44,6 +48,7 @@ const start = async () => {
         level.numbers = numbers;
     };
     await readLevel(data.levels[0]);
+    slices = makeSlices(canvas.closest('.frame'), data, state, () => { outline(); slices.draw(); noteSoon(); });
     // Selects the finest level; until it is read, the finest one so far is drawn.
     state.level = state.b.level = data.levels[data.levels.length - 1].level;
     if (data.levels.length > 1) state.b.level = data.levels[data.levels.length - 2].level;
@@ -51,6 +56,7 @@ const start = async () => {
         if (!controls) return;
         window.isoshade.controls = controls = makeControls(data, state, frames, editor, page);
         editor.take(state.tf, state.tfName);
+        slices.panel();
     };
     const take = kept => {
         try { restore(state, kept); } catch (problem) { say(problem.message); return; }
@@ -80,10 +86,12 @@ const start = async () => {
     controls = makeControls(data, state, frames, editor, page);
     edits = makeHistory(data, state, showState);
     editor.count(data.levels[0]);
+    slices.panel();
     makeOrbit(canvas, state, frames);
     new ResizeObserver(() => frames.ask()).observe(canvas);
-    window.isoshade = {data, state, frames, editor, controls, context, caster, edits, page}; // for tests and `validate`
-    acceptFiles(canvas.parentElement, $('open'), async file => {
+    // For tests and `validate`.
+    window.isoshade = {data, state, frames, editor, controls, context, caster, edits, page, slices};
+    acceptFiles(canvas.closest('.frame'), $('open'), async file => {
         const level = await openFile(file, context.most), old = data.levels;
         await frames.settled();
         caster.forget(old);
@@ -92,6 +100,7 @@ const start = async () => {
         controls = makeControls(data, state, frames, editor, page);
         edits = makeHistory(data, state, showState);
         editor.count(level);
+        slices.panel();
         Object.assign(window.isoshade, {controls, edits});
         frames.ask();
     });

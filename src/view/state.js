@@ -8,6 +8,9 @@ const makeState = data => {
         lights: scene.lights.map(l => ({space: 'world', intensity: 1, ...l})), shading: {specular: 0, power: 20, ...scene.shading},
         background: scene.background || [0, 0, 0], clips: scene.clip_planes || [], step: scene.step_voxels ?? 0.5,
         level: data.levels[0].level, code: data.codes[0] ?? null, adapted: data.adapted,
+        slices: false, cross: boxCenter(data.geometry0), colors: Boolean(data.levels[0].labels), neurological: false,
+        window: null, // the usual one
+        measure: null, // or up to two points in mm
         edited: null, // the transfer function that was edited last
         roi: null, compare: 'none', line: 0.5, amplified: 10, b: {level: data.levels[0].level, code: data.codes[0] ?? null, adapted: false},
     };

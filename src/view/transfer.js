@@ -30,6 +30,18 @@ const tabulate = (tf, valueRange, meanSpacing) => {
     }
     return {lo, hi, count, entries};
 };
+// Ends a table below the least value without opacity, like iso_tf_table_end_below(): voxels without data stand there.
+const mostEntries = 16384; // ISO_TF_MOST_ENTRIES
+const endedBelow = (t, least) => {
+    if (!(t.entries[3] > 0) || t.count >= mostEntries) return t;
+    const step = (t.hi - t.lo) / (t.count - 1), room = mostEntries - t.count - 1;
+    const more = 1 + clamp(Math.ceil((t.lo - least) / step), 0, room);
+    const entries = new Float32Array(4 * (t.count + more)), first = t.entries.subarray(0, 4);
+    for (let i = 0; i < more; ++i) entries.set(first, 4 * i);
+    entries[3] = 0;
+    entries.set(t.entries, 4 * more);
+    return {...t, lo: t.lo - step * more, count: t.count + more, entries};
+};
 const lookUp = (table, value) => {
     const last = table.count - 1, x = clamp((value - table.lo) / (table.hi - table.lo) * last, 0, last);
     const i = Math.min(Math.floor(x), last - 1), f = x - i, e = table.entries;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
 #include "view/viewer.h"
 
 #include <errno.h>
@@ -29,6 +30,8 @@ ISO_EMBED(iso_viewer_caster_js, "src/view/caster.js");
 ISO_EMBED(iso_viewer_frames_js, "src/view/frames.js");
 ISO_EMBED(iso_viewer_state_js, "src/view/state.js");
 ISO_EMBED(iso_viewer_orbit_js, "src/view/orbit.js");
+ISO_EMBED(iso_viewer_planes_js, "src/view/planes.js");
+ISO_EMBED(iso_viewer_slices_js, "src/view/slices.js");
 ISO_EMBED(iso_viewer_outline_js, "src/view/outline.js");
 ISO_EMBED(iso_viewer_editor_js, "src/view/editor.js");
 ISO_EMBED(iso_viewer_save_js, "src/view/save.js");
@@ -60,26 +63,49 @@ static const struct {
     {"display.glsl", iso_viewer_display_glsl},
 };
 
+/* Writes source text without indentation and lines of comments, a sixth of it. No string in it has several lines. */
+static void put_code(FILE *f, const char *text)
+{
+    while (*text) {
+        text += strspn(text, " \n");
+        const size_t line = strcspn(text, "\n");
+        if (line > 0 && strncmp(text, "//", 2) != 0) {
+            fwrite(text, 1, line, f);
+            fputc('\n', f);
+        }
+        text += line;
+    }
+}
+
 /* Writes all scripts as one, each part after those that it uses. */
 static void put_script(FILE *f)
 {
     const char *const parts[] = {
-        iso_viewer_vectors_js,   iso_viewer_arrays_js,  iso_viewer_camera_js,   iso_viewer_transfer_js,
-        iso_viewer_adapt_js,     iso_viewer_occupancy_js, iso_viewer_context_js, iso_viewer_textures_js, iso_viewer_bricks_js,
-        iso_viewer_caster_js,    iso_viewer_frames_js,  iso_viewer_state_js,    iso_viewer_orbit_js,
-        iso_viewer_outline_js,   iso_viewer_editor_js,  iso_viewer_save_js,     iso_viewer_controls_js,
-        iso_viewer_open_samples_js, iso_viewer_open_nrrd_js, iso_viewer_open_nifti_js, iso_viewer_open_js,
-        iso_viewer_start_js,
+        iso_viewer_vectors_js, iso_viewer_arrays_js, iso_viewer_camera_js, iso_viewer_transfer_js,
+        iso_viewer_adapt_js, iso_viewer_occupancy_js, iso_viewer_context_js, iso_viewer_textures_js,
+        iso_viewer_bricks_js, iso_viewer_caster_js, iso_viewer_frames_js, iso_viewer_state_js, iso_viewer_orbit_js,
+        iso_viewer_planes_js, iso_viewer_outline_js, iso_viewer_editor_js, iso_viewer_save_js, iso_viewer_controls_js,
+        iso_viewer_slices_js, iso_viewer_open_samples_js, iso_viewer_open_nrrd_js, iso_viewer_open_nifti_js,
+        iso_viewer_open_js, iso_viewer_start_js,
     };
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
-        fputs(parts[i], f);
+        put_code(f, parts[i]);
 }
 
 static void put_shaders(FILE *f)
 {
     json_t *all = json_object();
-    for (size_t i = 0; i < sizeof shaders / sizeof *shaders; ++i)
-        json_object_set_new(all, shaders[i].name, json_string(shaders[i].text));
+    for (size_t i = 0; i < sizeof shaders / sizeof *shaders; ++i) {
+        char *text = NULL;
+        size_t size;
+        FILE *code = open_memstream(&text, &size);
+        if (!code)
+            continue;
+        put_code(code, shaders[i].text);
+        fclose(code);
+        json_object_set_new(all, shaders[i].name, json_string(text));
+        free(text);
+    }
     iso_markup_put_json(f, all);
     json_decref(all);
 }
@@ -108,7 +134,7 @@ static void put_title_part(FILE *f, const iso_viewer *v, const iso_contents *c)
 static void put_style_part(FILE *f, const iso_viewer *v, const iso_contents *c)
 {
     (void)v, (void)c;
-    fputs(iso_viewer_css, f);
+    put_code(f, iso_viewer_css);
 }
 static void put_data_part(FILE *f, const iso_viewer *v, const iso_contents *c)
 {

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The viewer's page as a daily tool: slices against the values of the file, lengths.
+. "$(dirname "$0")/lib.sh"
+python_with nibabel
+"$python" - <<'END'
+import gzip, nibabel, numpy
+z, y, x = numpy.mgrid[0:17, 0:21, 0:19]
+far = (x - 9) ** 2 + (y - 12) ** 2 + (z - 8) ** 2
+values = (1000 * numpy.exp(-far / 40) + 7 * x + 3 * y - 5 * z).transpose(2, 1, 0)
+turn = numpy.array([[0.3, -1.2, 0, 10], [1.5, 0.2, 0.1, -20], [-0.1, 0, 2, 5], [0, 0, 0, 1]])
+nibabel.save(nibabel.Nifti1Image(values.astype("int16"), turn), "patient.nii")
+plain = nibabel.Nifti1Image(values.astype("float32"), None)
+plain.header.set_zooms((1, 1.5, 2))
+plain.header["qform_code"] = plain.header["sform_code"] = 0
+nibabel.save(plain, "plain.nii")
+keys = "".join(f"Segment{i}_{key}\n" for i, (label, name) in enumerate([(2, "left kidney"), (7, "Läsion")])
+               for key in (f"ID:=s{i}", f"LabelValue:={label}", "Layer:=0", f"Name:={name}", "Color:=1 0 0"))
+head = "NRRD0004\ntype: unsigned char\ndimension: 3\nspace: left-posterior-superior\nsizes: 12 10 8\n" \
+       "space directions: (1,0,0) (0,1,0) (0,0,1.4)\nspace origin: (0,0,0)\nencoding: gzip\n"
+with open("named.seg.nrrd", "wb") as f:
+    row = bytes([0, 2, 2, 2, 2, 7, 7, 7, 7, 11, 11, 0])
+    f.write((head + keys + "\n").encode() + gzip.compress(80 * row))
+END
+daily() { PYTHONPATH="$top/tests:$top/tests/peers" "$python" "$top/tests/view_daily.py" "$@"; }
+# The grid of plain.nii is centered at the origin; nibabel's own default for such files is another one.
+"$python" -c 'import nibabel, numpy
+i = nibabel.load("plain.nii"); a = numpy.diag([1, 1.5, 2, 1]); a[:3, 3] = -(numpy.array(i.shape) - 1) / 2 * [1, 1.5, 2]
+nibabel.save(nibabel.Nifti1Image(numpy.asarray(i.dataobj), a), "placed.nii")'
+for name in patient plain; do
+    "$ISOSHADE" view $name.nii -q -o $name.html || failed=1
+    file=$name.nii
+    [ $name = patient ] || file=placed.nii
+    expect "the_slices_of_the_${name}_are_used" 0 daily slices $name.html $file
+    while read -r finding value; do
+        check "${name}_$finding" test "$value" = true
+    done <out
+    check "${name}_none_is_left_out" test "$(wc -l <out)" -ge 14
+done
+"$ISOSHADE" view named.seg.nrrd -q -o named.html || failed=1
+expect labels_are_shown 0 daily labels named.html
+check they_have_their_names grep -qx 'labels 2 left kidney; 7 Läsion; 11; 0' out
+exit $failed
