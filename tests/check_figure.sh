@@ -174,7 +174,7 @@ with open('hounsfield.nrrd', 'wb') as f:
 END
 expect a_range_below_zero 0 "$ISOSHADE" figure hounsfield.nrrd --levels 2 --width 85 --tf ct-bone --formats pdf -q -o hounsfield
 check has_its_marks_on_the_page words_are_apart hounsfield/figure.pdf
-check the_first_one_too words_are_all_there hounsfield/figure.pdf -1000
+check the_first_one_too words_are_all_there hounsfield/figure.pdf −1000
 expect a_narrow_one 0 "$ISOSHADE" figure hounsfield.nrrd --levels 1 --width 40 --tf ct-bone --formats pdf -q -o narrow
 check has_them_as_well words_are_apart narrow/figure.pdf
 check it_keeps_the_aspect test "$(awk -Fx '{d = $2 - $1 * 30 / 48; print (d * d < 1)}' <<<"$pixels")" = 1

@@ -92,6 +92,30 @@ check the_first_frame_is_that_of_render same first.png turntable/turntable.png
 check and_the_first_of_the_files cmp first.png turntable/frames/000.png
 check each_frame_has_a_file test "$(ls turntable/frames | tr '\n' ' ')" = "000.png 001.png 002.png "
 
+# Six volumes at the narrowest width: the bar of the transfer function has two marks or more and says that they are
+# values; a picture has a scale bar within it, or the caption says how wide it is.
+says_what_it_needs() { # figure's folder
+    pdftotext -bbox "$1/figure.pdf" - | python3 -c '
+import re, sys
+words = [(float(x0), float(x1), float(y), w) for x0, y, x1, w in re.findall(
+    r"xMin=\"([\d.]+)\" yMin=\"([\d.]+)\" xMax=\"([\d.]+)\" yMax=\"[\d.]+\">([^<]*)<", sys.stdin.read())]
+values = [y for x0, x1, y, w in words if w == "value"]
+above = [w for x0, x1, y, w in words if values and values[0] - 12 < y < values[0] - 4]
+marks = [w for w in above if re.fullmatch("[−.×0-9⁰-⁹¹²³]+", w)]
+caption = open(sys.argv[1]).read()
+bar = [x0 >= 0 and x1 < 40 / 25.4 * 72 for x0, x1, y, w in words if w == "mm" and y < values[0] - 20]
+print(words, marks)
+sys.exit(not (values and len(marks) >= 2 and len(set(marks)) == len(marks)
+              and (all(bar) and bar if "Scale bar" in caption else "mm wide" in caption)))' "$1/caption.txt"
+}
+for name in shells sphere marschner-lobb tubes noise constant; do
+    "$ISOSHADE" make $name --size 12x14x10 --quiet -o narrow.nrrd
+    "$ISOSHADE" figure narrow.nrrd --kind turntable --frames 4 --width 40 --dpi 72 --formats pdf --sources -q -o "n-$name" >/dev/null
+    check "a_narrow_figure_of_${name}_says_what_it_needs" says_what_it_needs "n-$name"
+done
+sed -i '/^set xtics (/s/(.*/(0)/' n-shells/figure.gp && (cd n-shells && gnuplot -e "format='pdf'" figure.gp)
+notice a_bar_with_one_mark_is_noticed says_what_it_needs n-shells
+
 # More frames than a page shows: all move, 32 stand on the page, the last one is near the end of the turn.
 "$ISOSHADE" figure v.nrrd --kind turntable --frames 65 --size 8x6 --width 100 --dpi 36 --formats pdf -q -o many >/dev/null
 check all_frames_are_files test "$(ls many/frames | wc -l)-$(grep -ao fcTL many/turntable.png | wc -l)" = 65-65

@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "figure/job.h"
+#include "figure/page_text.h"
 #include "figure/sheet.h"
 #include "report/report.h"
 #include "scene/scene.h"
@@ -239,6 +240,46 @@ static void the_scale_bar_stands_where_little_is_shown(void **state)
     }
 }
 
+/* A soft volume fills the picture, or the text is wider than the picture: the caption has the width instead. */
+static void a_picture_without_room_has_no_scale_bar(void **state)
+{
+    (void)state;
+    const struct {
+        float opacity;
+        double width_mm;
+        bool has_bar;
+    } cases[] = {{0.005f, 40, true}, {0.02f, 40, false}, {0, 40, true}, {0, 7, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        iso_image image;
+        iso_page *page;
+        assert_ok(iso_image_create(&image, width, height, &err));
+        for (size_t p = 0; p < (size_t)width * height; ++p)
+            image.rgba[4 * p + 3] = cases[i].opacity;
+        assert_ok(iso_page_create(&page, folder, 72, &err));
+        iso_page_set_size(page, 50, 50);
+        const iso_page_box box = {.width = cases[i].width_mm, .height = 0.75 * cases[i].width_mm};
+        assert_int_equal(iso_page_scale_bar_mm(page, &box, &image, 2.5) > 0, cases[i].has_bar);
+        iso_page_destroy(page);
+        iso_image_destroy(&image);
+    }
+}
+
+static void numbers_are_written_for_readers(void **state)
+{
+    (void)state;
+    const struct {
+        double value, apart;
+        const char *text;
+    } cases[] = {{0, 1, "0"},          {-0.2, 1, "0"},      {-1020.4, 10, "−1020"}, {12.5, 0.5, "12.5"},
+                 {0.25, 0.01, "0.25"},  {99999, 1, "99999"}, {1e5, 1e5, "10⁵"},      {2.5e6, 5e5, "2.5×10⁶"},
+                 {-1e6, 1e6, "−10⁶"},  {999999, 1e4, "10⁶"}, {5e-4, 5e-4, "5×10⁻⁴"}, {0, 1e-7, "0"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char text[64];
+        iso_page_number(cases[i].value, cases[i].apart, text);
+        assert_string_equal(text, cases[i].text);
+    }
+}
+
 static void scales_end_at_round_numbers(void **state)
 {
     (void)state;
@@ -385,6 +426,8 @@ int main(void)
         cmocka_unit_test(panels_lie_inside_and_apart_with_enough_pixels),
         cmocka_unit_test(the_scale_bar_has_its_length),
         cmocka_unit_test(the_scale_bar_stands_where_little_is_shown),
+        cmocka_unit_test(a_picture_without_room_has_no_scale_bar),
+        cmocka_unit_test(numbers_are_written_for_readers),
         cmocka_unit_test(scales_end_at_round_numbers),
         cmocka_unit_test(maps_hold_the_differences),
         cmocka_unit_test(the_adapted_tf_can_be_asked_for),

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "figure/kinds_of_volume.h"
+#include "figure/page_text.h"
 #include "renderers/renderers.h"
 
 enum { MOST_SERIES = 8, MOST_LISTED = 40 };
@@ -172,10 +173,11 @@ static void put_ticks(FILE *gp, char axis, const double range[2], double unit)
             const double at = m * pow(10, decade);
             if (at < range[0] || at > range[1])
                 continue;
-            if (at / unit < 0.00099)
-                fprintf(gp, "%snote('%de%d') %.9g", before, m, decade - (int)lrint(log10(unit)), at);
-            else
-                fprintf(gp, "%snote('%g') %.9g", before, at / unit, at);
+            char text[64];
+            iso_page_number(at / unit, at / unit / m, text);
+            fputs(before, gp);
+            iso_page_text_put(gp, "note_pt", text);
+            fprintf(gp, " %.9g", at);
             before = ", ";
         }
     fprintf(gp, ") offset %s\n", axis == 'x' ? "0, 0.4" : "0.8, 0");

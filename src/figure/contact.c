@@ -106,7 +106,7 @@ static void put_bar(const contact *c, iso_page *page, const iso_page_box *first,
     const iso_page_box bar = {first->left, first->top + first->height + bar_above_mm, wide, bar_mm};
     double range[2];
     iso_figure_tf_range(&s->tf, &s->pyramid.levels[0], range);
-    iso_figure_put_tf_bar(page, &bar, &s->tf, range, (int)fmax(2, wide / 14));
+    iso_figure_put_tf_bar(page, &bar, &s->tf, range);
 }
 
 static iso_status draw_row(contact *c, iso_page *page, size_t row, iso_error *err)

@@ -323,10 +323,37 @@ FILE *iso_page_plot_begin(iso_page *p, const iso_page_box *b)
         "set bmargin at screen %.6f\n"
         "set border 3 lc rgb '#444444' lw pen(0.5)\n"
         "set tics nomirror out scale 0.4 font note_font textcolor rgb '#222222'\n"
-        "set format x ticks('%%g'); set format y ticks('%%g')\n"
+        "set format x ticks('%%g'); set format y ticks('%%g'); if (format ne 'tex') { set minussign }\n"
         "set xlabel font note_font; set ylabel font note_font; set key off\n",
         b->left / wide, (b->left + b->width) / wide, 1 - b->top / high, 1 - (b->top + b->height) / high);
     return gp;
+}
+
+double iso_page_tick_step(const double range[2], int most)
+{
+    const double least = (range[1] - range[0]) / most, decade = pow(10, floor(log10(least)));
+    const double step = decade >= least       ? decade
+                        : 2 * decade >= least ? 2 * decade
+                        : 5 * decade >= least ? 5 * decade
+                                              : 10 * decade;
+    const bool has_two = floor(range[1] / step) > ceil(range[0] / step);
+    return has_two || most > 20 ? step : iso_page_tick_step(range, most + 1);
+}
+
+void iso_page_plot_ticks(FILE *gp, char axis, const double range[2], int most)
+{
+    const double step = iso_page_tick_step(range, most);
+    const char *before = "";
+    fprintf(gp, "set %ctics (", axis);
+    for (double i = ceil(range[0] / step - 1e-6); i * step <= range[1] + 1e-6 * step; ++i) {
+        char text[64];
+        iso_page_number(i * step, step, text);
+        fputs(before, gp);
+        iso_page_text_put(gp, "note_pt", text);
+        fprintf(gp, " %.9g", i * step);
+        before = ", ";
+    }
+    fputs(")\n", gp);
 }
 
 void iso_page_plot_end(iso_page *p)

@@ -91,17 +91,20 @@ typedef struct iso_page_color_bar {
     const char *text; /* a '|' begins a new line; or NULL */
 } iso_page_color_bar;
 void iso_page_put_color_bar(iso_page *page, const iso_page_color_bar *bar);
-/* Returns the width of the texts left of the bar. */
+/* Returns the width of the texts left of the bar, and of the ticks right of it in a size. */
 double iso_page_color_bar_left_mm(const iso_page *page, const iso_page_color_bar *bar);
+double iso_page_color_bar_ticks_mm(const iso_page_color_bar *bar, double pt);
 
-/* Puts a bar of a round length on a picture in `box`: in the lower left corner, or in another one that shows less of
- * the volume (by opacity); black on bright pixels, white on dark ones. The caption explains it. mm_per_pixel 0:
- * none. */
+/* Puts a bar of a round length on a picture in `box`, at most a third of its width, into a corner that shows nothing of
+ * the volume; black on bright pixels, white on dark ones. The caption explains it. If none fits, the caption
+ * has the width of the picture instead. A slice, opaque everywhere, has it in the corner of least contrast.
+ * mm_per_pixel 0: none. */
 void iso_page_put_scale_bar(iso_page *page, const iso_page_box *box, const iso_image *image, double mm_per_pixel);
 /* Draws the same without text in the caption. */
 void iso_page_draw_scale_bar(iso_page *page, const iso_page_box *box, const iso_image *image, double mm_per_pixel);
-/* Returns 1, 2 or 5 times a power of ten, at most a third of the width. */
-double iso_page_bar_mm(double width_mm);
+/* Returns its length: 1, 2 or 5 times a power of ten; 0: none fits. */
+double iso_page_scale_bar_mm(const iso_page *page, const iso_page_box *box, const iso_image *image,
+                             double mm_per_pixel);
 
 /* Puts letters into the upper left corners of panels, (a) first in the top row. Panels are pictures, except color
  * bars, and boxes given to iso_page_add_panel(). */
@@ -123,10 +126,14 @@ void iso_page_put_rectangle(iso_page *page, const iso_page_box *box, const char 
 
 /* Begins a plot; the file takes gnuplot's commands until the plot ends: ranges, ticks, datablocks, and one "plot".
  * The axes fill the box; ticks and labels are around it. Texts use the functions of page.gp: title('..'),
- * note('..'); formats of ticks use ticks('..'), those of powers of ten `powers`. Fonts are note_font and title_font,
- * line widths pen(points). Preset style: no key, ticks outwards, a thin border left and below. */
+ * note('..'); formats of ticks use ticks('..'). Fonts are note_font and title_font, line widths pen(points). Preset
+ * style: no key, ticks outwards, a thin border left and below. */
 FILE *iso_page_plot_begin(iso_page *page, const iso_page_box *box);
 void iso_page_plot_end(iso_page *page);
+/* Writes ticks of an axis, 'x' or 'y', at round numbers: at most `most` steps. Within a plot. */
+void iso_page_plot_ticks(FILE *gp, char axis, const double range[2], int most);
+/* Returns their distance: 1, 2 or 5 times a power of ten; a smaller one if there were fewer than two. */
+double iso_page_tick_step(const double range[2], int most);
 
 /* Draws figure.pdf and the formats in the list: "svg,png,latex"; NULL: all. Removes the sources unless with_sources.
  * ISO_E_MISSING: gnuplot is not installed. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "figure/page_text.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "report/gnuplot.h"
@@ -28,6 +29,50 @@ double iso_page_text_width_mm(const char *s, size_t bytes, double pt)
             em += letter_em(s[i]);
     return em * pt * mm_per_pt;
 }
+
+/* ---- numbers ---- */
+
+void iso_page_power_of_ten(int exponent, char text[24])
+{
+    static const char *const raised[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+    char digits[16];
+    snprintf(digits, sizeof digits, "%d", exponent);
+    snprintf(text, 24, "10");
+    for (const char *d = digits; *d; ++d)
+        strcat(text, *d == '-' ? "⁻" : raised[*d - '0']);
+}
+
+/* Writes a number from 0 on with the decimals that tell it from one `apart`, without zeros at the end. */
+static void write_decimal(double value, double apart, char text[24])
+{
+    const int decimals = (int)fmin(fmax(ceil(-log10(apart) - 1e-6), 0), 9);
+    size_t end = (size_t)snprintf(text, 24, "%.*f", decimals, value);
+    if (!strchr(text, '.'))
+        return;
+    while (text[end - 1] == '0')
+        text[--end] = 0;
+    if (text[end - 1] == '.')
+        text[--end] = 0;
+}
+
+void iso_page_number(double value, double apart, char text[64])
+{
+    const double size = rint(fabs(value) / apart) * apart;
+    const char *sign = value < 0 && size > 0 ? "−" : "";
+    char factor[24], power[24];
+    if (!(size > 0) || (size < 1e5 && size >= 0.001)) {
+        write_decimal(size, apart, factor);
+        snprintf(text, 64, "%s%s", sign, factor);
+        return;
+    }
+    const int exponent = (int)floor(log10(size) + 1e-9);
+    write_decimal(size / pow(10, exponent), apart / pow(10, exponent), factor);
+    iso_page_power_of_ten(exponent, power);
+    snprintf(text, 64, "%s%s%s%s", sign, strcmp(factor, "1") == 0 ? "" : factor, strcmp(factor, "1") == 0 ? "" : "×",
+             power);
+}
+
+/* ---- LaTeX ---- */
 
 /* Characters with other spellings in LaTeX. The paper's encoding covers the rest of UTF-8. */
 static const struct {
@@ -57,8 +102,17 @@ static const struct {
     {"Δ", "$\\Delta$"},
     {"≤", "$\\leq$"},
     {"≥", "$\\geq$"},
+    {"⁰", "$^0$"},
+    {"¹", "$^1$"},
     {"²", "$^2$"},
     {"³", "$^3$"},
+    {"⁴", "$^4$"},
+    {"⁵", "$^5$"},
+    {"⁶", "$^6$"},
+    {"⁷", "$^7$"},
+    {"⁸", "$^8$"},
+    {"⁹", "$^9$"},
+    {"⁻", "$^-$"},
     {"–", "--"},
     {"…", "\\ldots{}"},
 };

@@ -170,9 +170,11 @@ static size_t first_map_row(const iso_figure_sheet *f)
     return f->rows;
 }
 
+/* Maps' differences are at most 1, and unknown before they are drawn. */
 static double legend_ticks_mm(const iso_figure_sheet *f)
 {
-    return 1 + (f->in_logs ? iso_page_text_width_mm("1e-08", 5, note_pt) : iso_page_text_width_mm("0.000", 5, note_pt));
+    const iso_page_color_bar bar = {.range = {f->low, f->high}};
+    return f->legend ? iso_page_color_bar_ticks_mm(&bar, note_pt) : 1 + iso_page_text_width_mm("0.000", 5, note_pt);
 }
 
 static double legend_words_mm(const iso_figure_sheet *f, const layout *l, char out[128])
@@ -391,7 +393,7 @@ static void put_row(const iso_figure_sheet *f, const layout *l, size_t i, const 
     const iso_figure_panel *p = &f->panels[i];
     const iso_page_box box = panel_box(f, l, p, page);
     const double wide = iso_page_width(page), high = iso_page_height(page);
-    const double shown_mm = p->scale_bar ? p->mm_per_pixel * (double)p->a.width : 0;
+    const double bar_mm = p->scale_bar ? iso_page_scale_bar_mm(page, &box, &p->a, p->mm_per_pixel) : 0;
     char lines[128], bar[32] = "";
     const size_t times = iso_page_times(page, box.width, p->a.width);
     fprintf(csv, "%d,picture%zu.raw,%zu,%zu,%.6f,%.6f,%.6f,%.6f,", p->against ? 1 : 0, i, times * p->a.width,
@@ -403,9 +405,9 @@ static void put_row(const iso_figure_sheet *f, const layout *l, size_t i, const 
     put_cell(csv, lines);
     break_lines(p->side, side_mm(f, l), l->title_pt, lines);
     put_cell(csv, lines);
-    if (shown_mm > 0)
-        snprintf(bar, sizeof bar, "%g mm", iso_page_bar_mm(shown_mm));
-    fprintf(csv, "%.6f,", shown_mm > 0 ? iso_page_bar_mm(shown_mm) / shown_mm : 0);
+    if (bar_mm > 0)
+        snprintf(bar, sizeof bar, "%g mm", bar_mm);
+    fprintf(csv, "%.6f,", bar_mm > 0 ? bar_mm / (p->mm_per_pixel * (double)p->a.width) : 0);
     put_cell(csv, bar);
     fprintf(csv, "%.6g,%.6g,%d,%.4f,%.4f\n", f->low, f->high, f->in_logs, wide * 96 / 25.4, high * 96 / 25.4);
 }

@@ -4,9 +4,16 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "figure/page_text.h"
 #include "tf/color_space.h"
 
-static const double foot_mm = 7.5, bar_mm = 2.2, widest_mm = 60, narrowest_mm = 12, edge_mm = 1.5;
+static const double foot_mm = 11, bar_mm = 3, widest_mm = 60, edge_mm = 1.5, deep_units = 50;
+
+/* Returns the number of steps between marks: about one per centimeter, so that there are two marks at least. */
+static int tick_count(double width_mm)
+{
+    return (int)fmax(3, width_mm / 10);
+}
 
 double iso_figure_tf_unit_mm(const iso_tf_table *t)
 {
@@ -24,7 +31,8 @@ void iso_figure_tf_range(const iso_tf_table *t, const iso_level *level0, double 
     range[1] = fmax(t->hi, level0->max);
 }
 
-/* Puts the colors over squares, which are visible through transparent colors. */
+/* Puts the colors over squares, which are visible through transparent colors: below with the opacity of the table's
+ * length, above with that of a long ray, which shows colors that a picture gathers in its depth. */
 static void put_colors(iso_page *page, const iso_page_box *box, const iso_tf_table *t, const double range[2])
 {
     const size_t wide = iso_page_dots(page, box->width), high = iso_page_dots(page, box->height);
@@ -35,7 +43,8 @@ static void put_colors(iso_page *page, const iso_page_box *box, const iso_tf_tab
         double c[4];
         const size_t x = i % wide, y = i / wide;
         iso_tf_lookup(t, range[0] + (range[1] - range[0]) * ((double)x + 0.5) / (double)wide, c);
-        const double alpha = iso_figure_opacity(c[3], unit_mm), behind = (x / square + y / square) % 2 ? 0.8 : 0.45;
+        const double alpha = iso_figure_opacity(c[3], 2 * y < high ? deep_units * unit_mm : unit_mm),
+                     behind = (x / square + y / square) % 2 ? 0.8 : 0.45;
         for (int k = 0; k < 3; ++k)
             rgb[3 * i + (size_t)k] = (unsigned char)lrint(
                 255 * iso_linear_to_srgb(fmin(fmax(alpha * c[k] + (1 - alpha) * behind, 0), 1)));
@@ -45,54 +54,39 @@ static void put_colors(iso_page *page, const iso_page_box *box, const iso_tf_tab
     free(rgb);
 }
 
-/* Returns 1, 2 or 5 times a power of ten, so that a range has at most `most` steps of it. */
-static double tick_step(double range, int most)
-{
-    const double least = range / most, decade = pow(10, floor(log10(least)));
-    return decade >= least ? decade : 2 * decade >= least ? 2 * decade : 5 * decade >= least ? 5 * decade : 10 * decade;
-}
-
-void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf_table *t, const double range[2],
-                           int wanted_ticks)
+void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf_table *t, const double range[2])
 {
     put_colors(page, box, t, range);
     FILE *gp = iso_page_plot_begin(page, box);
     fprintf(gp, "set xrange [%.9g:%.9g]; set yrange [0:1]; unset ytics; set border 1; set xtics offset 0, 0.4\n",
             range[0], range[1]);
-    if (wanted_ticks > 0)
-        fprintf(gp, "set xtics %.9g\n", tick_step(range[1] - range[0], wanted_ticks));
+    iso_page_plot_ticks(gp, 'x', range, tick_count(box->width));
     fputs("plot -1\n", gp);
     iso_page_plot_end(page);
 }
 
+void iso_figure_describe_tf_bar(FILE *caption, double unit_mm)
+{
+    fprintf(caption, "colors over value with the opacity of %.3g mm, above of %.3g mm, over gray squares", unit_mm,
+            deep_units * unit_mm);
+}
+
 /* ---- under pictures ---- */
 
-/* Returns the number of marks, about one per centimeter. */
-static int foot_ticks(double width_mm)
+/* Places the bar at the left, as wide as possible with the texts of its outermost marks on the page. */
+static iso_page_box foot_bar(const iso_page *page, const double range[2], double top)
 {
-    return (int)fmax(2, width_mm / 10);
-}
-
-/* Computes the overhang of the outermost marks' texts over the ends of a bar of this width. */
-static void overhangs_mm(const iso_page *page, const double range[2], double step, double width, double over[2])
-{
-    const double outermost[2] = {ceil(range[0] / step) * step, floor(range[1] / step) * step};
+    const double room = iso_page_width(page) - 2 * edge_mm, width = fmin(room, widest_mm);
+    const double step = iso_page_tick_step(range, tick_count(width));
+    double over[2];
     for (int end = 0; end < 2; ++end) {
-        char text[32];
-        snprintf(text, sizeof text, "%g", outermost[end] + 0.0);
-        const double from_end = fabs(outermost[end] - range[end]) / (range[1] - range[0]) * width;
-        over[end] = fmax(0, 0.5 * iso_page_text_mm(page, ISO_PAGE_NOTE, text) - from_end);
+        const double mark = end ? floor(range[1] / step) * step : ceil(range[0] / step) * step;
+        char text[64];
+        iso_page_number(mark, step, text);
+        const double from_end = fabs(mark - range[end]) / (range[1] - range[0]) * width;
+        over[end] = fmax(0, 0.5 * iso_page_text_mm(page, ISO_PAGE_NOTE, text) - from_end - edge_mm);
     }
-}
-
-/* Places the bar at the left, as wide as possible next to a text of this width (0: none), within the page. */
-static iso_page_box foot_bar(const iso_page *page, const double range[2], double top, double text_mm)
-{
-    const double wide = iso_page_width(page) - text_mm;
-    double over[2] = {0}, width = fmin(wide - 2 * edge_mm, widest_mm);
-    overhangs_mm(page, range, tick_step(range[1] - range[0], foot_ticks(width)), width, over);
-    const double left = fmax(edge_mm, over[0]), right = text_mm > 0 ? edge_mm : fmax(edge_mm, over[1]);
-    return (iso_page_box){left, top, fmin(wide - left - right, width), bar_mm};
+    return (iso_page_box){edge_mm + over[0], top, fmin(room - over[0] - over[1], width), bar_mm};
 }
 
 iso_figure_tf_foot iso_figure_tf_foot_of(const iso_figure_subject *s)
@@ -113,19 +107,16 @@ void iso_figure_put_tf_foot(const iso_figure_tf_foot *foot, iso_page *page, doub
     char text[64];
     if (!(iso_figure_tf_foot_mm(foot) > 0))
         return;
-    const double unit_mm = iso_figure_tf_unit_mm(foot->tf), top = iso_page_height(page) - above_mm - foot_mm + 1;
+    const double unit_mm = iso_figure_tf_unit_mm(foot->tf), bottom = iso_page_height(page) - above_mm;
+    const iso_page_box box = foot_bar(page, foot->range, bottom - foot_mm + 1);
+    iso_figure_put_tf_bar(page, &box, foot->tf, foot->range);
     snprintf(text, sizeof text, "value (opacity of %.3g mm)", unit_mm);
-    const double text_mm = 2 + iso_page_text_mm(page, ISO_PAGE_NOTE, text);
-    iso_page_box box = foot_bar(page, foot->range, top, text_mm);
-    const bool has_text = box.width >= narrowest_mm;
-    if (!has_text)
-        box = foot_bar(page, foot->range, top, 0);
-    iso_figure_put_tf_bar(page, &box, foot->tf, foot->range, foot_ticks(box.width));
-    if (has_text)
-        iso_page_put_text(
-            page, &(iso_page_text){.x = box.left + box.width + 2, .y = box.top + 0.5 * bar_mm, .role = ISO_PAGE_NOTE},
-            text);
-    fprintf(iso_page_caption(page),
-            " Bar: the transfer function%s, colors over value with the opacity of %.3g mm, over gray squares.",
-            foot->of_level0 ? " of level 0" : "", unit_mm);
+    iso_page_put_text(page,
+                      &(iso_page_text){.x = box.left,
+                                       .y = bottom - 0.6 * iso_page_line_mm(page, ISO_PAGE_NOTE),
+                                       .role = ISO_PAGE_NOTE},
+                      text);
+    fprintf(iso_page_caption(page), " Bar: the transfer function%s, ", foot->of_level0 ? " of level 0" : "");
+    iso_figure_describe_tf_bar(iso_page_caption(page), unit_mm);
+    fputc('.', iso_page_caption(page));
 }

@@ -12,10 +12,11 @@ double iso_figure_opacity(double extinction_per_mm, double length_mm);
 /* Computes the range of values of the table and the volume. */
 void iso_figure_tf_range(const iso_tf_table *t, const iso_level *level0, double range[2]);
 
-/* Puts the bar with an axis of values below it. box: that of the bar alone; wanted_ticks: about this number, 0:
- * gnuplot's choice. */
-void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf_table *t, const double range[2],
-                           int wanted_ticks);
+/* Puts the bar with an axis of values below it. Its upper half shows the colors of fifty times the length. box: that
+ * of the bar alone. */
+void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf_table *t, const double range[2]);
+/* Writes the part of a caption that explains it. */
+void iso_figure_describe_tf_bar(FILE *caption, double unit_mm);
 
 /* The bar under rendered pictures. Zeroed: none. */
 typedef struct iso_figure_tf_foot {

@@ -73,8 +73,8 @@ static void put_plot(FILE *gp, const iso_tf_table *t, double unit_mm, const doub
         gp,
         "set xrange [%.9g:%.9g]; set yrange [0:1.02]; set y2range [0:1.02]; set ytics 0.25; set border 11\n"
         "set ytics offset 0.8, 0; set format x ''; set y2tics () out nomirror scale 0.4 offset -0.8, 0\n"
-        "do for [k = 0:int(log10(most)):int(log10(most)) / 4 + 1] { set y2tics add (note(k < 2 ? sprintf('%%d', 10 ** k) : "
-        "sprintf('1e%%d', k)) log(1 + 10.0 ** k) / log(1 + most)) font note_font }\n"
+        "do for [k = 0:int(log10(most)):int(log10(most)) / 4 + 1] { set y2tics add ((k < 2 ? note(sprintf('%%d', 10 ** k)) : "
+        "power(k)) log(1 + 10.0 ** k) / log(1 + most)) font note_font }\n"
         "plot $bins using 1:2 axes x1y2 with filledcurves y2=0 fs solid noborder lc rgb '#d0d0d0', "
         "$colors using 1:(0):1:2:(0):3:4 with boxxyerror fs solid noborder lc rgb variable, "
         "$bins using 1:2 axes x1y2 with lines lc rgb '#808080' lw pen(0.4), "
@@ -114,7 +114,7 @@ static void put_transfer(iso_page *page, const place *at, const iso_tf_table *t)
         put_histogram(gp, at->level0);
     put_plot(gp, t, unit_mm, at->range);
     iso_page_plot_end(page);
-    iso_figure_put_tf_bar(page, &bar, t, at->range, 0);
+    iso_figure_put_tf_bar(page, &bar, t, at->range);
     snprintf(opacity, sizeof opacity, "opacity of %.3g mm", unit_mm);
     put_upright(page, at->box.left + 1.7, curve.top + 0.5 * curve.height, opacity);
     put_upright(page, right - 1.7, curve.top + 0.5 * curve.height, "voxels (log)");
@@ -212,10 +212,10 @@ static void write_caption(const curves *c, const iso_figure_job *job, FILE *f)
         fprintf(f, ", original and adapted to levels 1 to %zu", c->count - 1);
     else if (job->adapted.wanted && c->first > 0)
         fprintf(f, ", adapted to level %zu", c->first);
-    fprintf(f,
-            ": opacity of %.3g mm over value, filled with its colors, over the histogram of level 0. Below: colors "
-            "with the opacity of %.3g mm, over gray squares.",
-            unit_mm, unit_mm);
+    fprintf(f, ": opacity of %.3g mm over value, filled with its colors, over the histogram of level 0. Below: ",
+            unit_mm);
+    iso_figure_describe_tf_bar(f, unit_mm);
+    fputc('.', f);
     for (size_t i = 1; i < c->count; ++i)
         if (are_equal(&c->views[0].tf, &c->views[i].tf))
             fprintf(f, " At level %zu adapting does not help in small views, so the original is kept.", c->first + i);

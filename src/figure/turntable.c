@@ -68,11 +68,11 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
     return status;
 }
 
-/* Chooses 3 to 8 frames per row, few enough for a scale bar and its text in each, with full rows if possible. */
+/* Chooses 2 to 8 frames per row, few enough for a scale bar and its text in each, with full rows if possible. */
 static size_t choose_row(size_t frames, double width_mm)
 {
     const double least_mm = 24;
-    size_t best = frames > 32 ? 8 : frames < 4 ? frames : 4;
+    size_t best = frames > 32 ? 8 : frames < 4 ? frames : width_mm < 2 * least_mm ? 2 : 4;
     for (size_t n = 3; n <= 8 && n <= frames; ++n)
         if (frames % n == 0 && (n == 3 || width_mm / (double)n >= least_mm))
             best = n;

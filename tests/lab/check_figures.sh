@@ -72,7 +72,7 @@ check and_a_scale_bar grep -q 'Scale bar: ' mixed-volume/caption.txt
 notice a_surface_has_a_color_and_no_such_bar grep -q 'Bar: the transfer function' mixed-surface/caption.txt
 check the_caption_says_it grep -q 'of the range if each brick keeps its own samples' mixed-surface/caption.txt
 draw palette-views small.nrrd --entries 60 --width 60 --dpi 36 --surface 0.4
-check wings_have_a_scale_bar grep -q "Scale bar: " palette-views/caption.txt
+check wings_fill_the_picture_whose_width_is_given grep -q "A picture is .* mm wide" palette-views/caption.txt
 check fitted_is_nearer holds palette-views 'f["palettes"][0]["norm1"] < f["palettes"][1]["norm1"] and [p["entries"] for p in f["palettes"]] == [60, 60]'
 
 draw seams small.nrrd --width 120 --dpi 72
