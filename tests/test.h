@@ -8,18 +8,64 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
 #include "base/status.h"
 
-/* A case that checks values, by code that other cases reach, too. The sanitizers leave it out: they find faults of code
- * and are slow. cmocka passes over a case without a name. */
+/* Cases of a program, in their order in the file. */
+enum { ISO_MOST_CASES = 64 };
+static struct CMUnitTest iso_cases[ISO_MOST_CASES];
+static int iso_case_lines[ISO_MOST_CASES];
+static size_t iso_case_count;
+
+static inline void iso_add_case(int line, struct CMUnitTest added)
+{
+    size_t at = iso_case_count++;
+    if (at == ISO_MOST_CASES)
+        abort();
+    for (; at > 0 && iso_case_lines[at - 1] > line; --at) {
+        iso_cases[at] = iso_cases[at - 1];
+        iso_case_lines[at] = iso_case_lines[at - 1];
+    }
+    iso_cases[at] = added;
+    iso_case_lines[at] = line;
+}
+
+/* Runs all cases between setup and teardown of the program; each may be NULL. */
+static inline int run_cases(CMFixtureFunction setup, CMFixtureFunction teardown)
+{
+    return _cmocka_run_group_tests("tests", iso_cases, iso_case_count, setup, teardown);
+}
+
+/* clang-format off */
+#define ISO_CASE(function, name, setup, teardown)                                                        \
+    static void function(void **state);                                                                  \
+    __attribute__((constructor)) static void function##_is_a_case(void)                                  \
+    {                                                                                                    \
+        iso_add_case(__LINE__, (struct CMUnitTest){name, function, setup, teardown, NULL});              \
+    }                                                                                                    \
+    static void function(__attribute__((unused)) void **state)
+
+/* TEST(a_sentence) { ... } is a case; one of TEST_BETWEEN has its own setup and teardown. A case of VALUES_TEST checks
+ * values, by code that other cases reach, too. The sanitizers leave it out: they find faults of code and are slow.
+ * cmocka passes over a case without a name. */
+#define TEST(function) ISO_CASE(function, #function, NULL, NULL)
+#define TEST_BETWEEN(function, setup, teardown) ISO_CASE(function, #function, setup, teardown)
 #if defined __SANITIZE_ADDRESS__
-#define cmocka_values_test(function) {NULL, function, NULL, NULL, NULL}
+#define VALUES_TEST(function) ISO_CASE(function, NULL, NULL, NULL)
 #else
-#define cmocka_values_test(function) cmocka_unit_test(function)
+#define VALUES_TEST(function) TEST(function)
 #endif
+
+/* The main() of a program that does nothing else. */
+#define TEST_MAIN(setup, teardown)                                                                       \
+    int main(void)                                                                                       \
+    {                                                                                                    \
+        return run_cases(setup, teardown);                                                               \
+    }
+/* clang-format on */
 
 /* The tolerance states its cause in a comment where it is used. */
 /* clang-format off */

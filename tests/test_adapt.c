@@ -67,9 +67,8 @@ static iso_tf_table adapt(const iso_joint *j, const iso_tf_table *tf, iso_adapt_
     return out;
 }
 
-static void one_fine_value_a_row_leaves_the_tf_unchanged(void **state)
+TEST(one_fine_value_a_row_leaves_the_tf_unchanged)
 {
-    (void)state;
     entry diagonal[BINS];
     for (size_t i = 0; i < BINS; ++i)
         diagonal[i] = (entry){i, i, 5 + i};
@@ -95,9 +94,8 @@ static void one_fine_value_a_row_leaves_the_tf_unchanged(void **state)
 /* Row 7 mixes bins 6 (3 voxels) and 10 (1 voxel): mean 7, deviation sqrt(3), so x = -1/sqrt(3) and sqrt(3). */
 static const entry mixture[] = {{7, 6, 3}, {7, 10, 1}};
 
-static void two_values_average_as_eq_7_says(void **state)
+TEST(two_values_average_as_eq_7_says)
 {
-    (void)state;
     iso_joint j = make_joint(mixture, 2);
     iso_tf_table tf = make_tf();
     const double length = 1.5, x[2] = {-1 / sqrt(3), sqrt(3)}, share[2] = {0.75, 0.25};
@@ -138,9 +136,8 @@ static void two_values_average_as_eq_7_says(void **state)
     iso_joint_destroy(&j);
 }
 
-static void transparent_entries_do_not_darken_the_color(void **state)
+TEST(transparent_entries_do_not_darken_the_color)
 {
-    (void)state;
     static const entry half[] = {{5, 1, 1}, {5, 9, 1}}; /* bin 1 is transparent */
     iso_joint j = make_joint(half, 2);
     iso_tf_table tf = make_tf();
@@ -158,9 +155,8 @@ static void transparent_entries_do_not_darken_the_color(void **state)
     iso_joint_destroy(&j);
 }
 
-static void rows_of_no_opacity_keep_the_mean_color(void **state)
+TEST(rows_of_no_opacity_keep_the_mean_color)
 {
-    (void)state;
     static const entry clear[] = {{2, 1, 1}, {2, 3, 1}};
     iso_joint j = make_joint(clear, 2);
     iso_tf_table tf = make_tf();
@@ -174,9 +170,8 @@ static void rows_of_no_opacity_keep_the_mean_color(void **state)
     iso_joint_destroy(&j);
 }
 
-static void empty_rows_are_filled_on_premultiplied_entries(void **state)
+TEST(empty_rows_are_filled_on_premultiplied_entries)
 {
-    (void)state;
     static const entry two[] = {{4, 2, 1}, {8, 12, 1}}; /* row 4 transparent, row 8 not */
     iso_joint j = make_joint(two, 2);
     iso_tf_table tf = make_tf();
@@ -200,9 +195,8 @@ static void empty_rows_are_filled_on_premultiplied_entries(void **state)
     iso_joint_destroy(&j);
 }
 
-static void what_lies_beyond_the_window_is_left_out(void **state)
+TEST(what_lies_beyond_the_window_is_left_out)
 {
-    (void)state;
     static const entry outlier[] = {{5, 5, 999}, {5, 15, 1}}; /* the outlier is 32 deviations off */
     iso_joint j = make_joint(outlier, 2);
     iso_tf_table tf = make_tf();
@@ -218,9 +212,8 @@ static void what_lies_beyond_the_window_is_left_out(void **state)
     iso_joint_destroy(&j);
 }
 
-static void opaque_rows_stay_finite(void **state)
+TEST(opaque_rows_stay_finite)
 {
-    (void)state;
     static const entry opaque[] = {{9, 9, 1}, {9, 10, 1}, {11, 11, 1}};
     iso_joint j = make_joint(opaque, 3);
     iso_tf_table tf = make_tf();
@@ -237,9 +230,8 @@ static void opaque_rows_stay_finite(void **state)
     iso_joint_destroy(&j);
 }
 
-static void options_outside_their_limits_are_refused(void **state)
+TEST(options_outside_their_limits_are_refused)
 {
-    (void)state;
     iso_joint j = make_joint(mixture, 2);
     iso_adapter *a;
     iso_adapt_options opt = iso_adapt_defaults();
@@ -250,9 +242,8 @@ static void options_outside_their_limits_are_refused(void **state)
     iso_joint_destroy(&j);
 }
 
-static void a_table_as_a_tf_file_gives_the_same_entries_back(void **state)
+TEST(a_table_as_a_tf_file_gives_the_same_entries_back)
 {
-    (void)state;
     iso_tf_table tf = make_tf(), back;
     tf.entries[4 * 6 + 3] = 50; /* 1 mm of it would be opaque beyond the cap */
     iso_tf file;
@@ -269,9 +260,8 @@ static void a_table_as_a_tf_file_gives_the_same_entries_back(void **state)
     iso_tf_table_destroy(&tf);
 }
 
-static void judgment_is_the_error_at_the_voxels(void **state)
+TEST(judgment_is_the_error_at_the_voxels)
 {
-    (void)state;
     iso_joint j = make_joint(mixture, 2);
     iso_tf_table tf = make_tf(), out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
     iso_geometry g = spacing_of(1);
@@ -318,9 +308,8 @@ static iso_pyramid shared_value_pyramid(bool with_block)
     return p;
 }
 
-static void a_tissue_that_shares_a_value_with_a_plate_stays_dark(void **state)
+TEST(a_tissue_that_shares_a_value_with_a_plate_stays_dark)
 {
-    (void)state;
     /* 100 is opaque, 50 is not */
     iso_tf_table tf = {.count = 256, .lo = 0, .hi = 255, .entries = calloc(4 * 256, sizeof(float))}, out;
     for (size_t i = 80; i < 256; ++i)
@@ -349,9 +338,8 @@ static void a_tissue_that_shares_a_value_with_a_plate_stays_dark(void **state)
     iso_tf_table_destroy(&tf);
 }
 
-static void a_larger_error_at_the_voxels_keeps_the_original_tf(void **state)
+TEST(a_larger_error_at_the_voxels_keeps_the_original_tf)
 {
-    (void)state;
     /* The window cuts off the entry at 14, three deviations away: TF_0(6) is left, and TF_0(7) at the row is closer to
      * all. */
     static const entry tail[] = {{7, 6, 90}, {7, 14, 10}};
@@ -374,9 +362,8 @@ static void a_larger_error_at_the_voxels_keeps_the_original_tf(void **state)
     iso_joint_destroy(&j);
 }
 
-static void deviation_parts_homogeneous_voxels_from_mixed_ones(void **state)
+TEST(deviation_parts_homogeneous_voxels_from_mixed_ones)
 {
-    (void)state;
     iso_pyramid p = shared_value_pyramid(true);
     iso_joint one, second;
     assert_ok(iso_joint_compute(&p, 1, 8, ISO_SECOND_VALUE_NONE, 1, &one, &err));
@@ -401,9 +388,8 @@ static void deviation_parts_homogeneous_voxels_from_mixed_ones(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own(void **state)
+TEST(levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own)
 {
-    (void)state;
     iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
     iso_tf_table tf = make_tf(), out;
     iso_adapt_options opt = iso_adapt_defaults();
@@ -423,23 +409,4 @@ static void levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own(void **stat
     iso_pyramid_destroy(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_fine_value_a_row_leaves_the_tf_unchanged),
-        cmocka_unit_test(two_values_average_as_eq_7_says),
-        cmocka_unit_test(transparent_entries_do_not_darken_the_color),
-        cmocka_unit_test(rows_of_no_opacity_keep_the_mean_color),
-        cmocka_unit_test(empty_rows_are_filled_on_premultiplied_entries),
-        cmocka_unit_test(what_lies_beyond_the_window_is_left_out),
-        cmocka_unit_test(opaque_rows_stay_finite),
-        cmocka_unit_test(options_outside_their_limits_are_refused),
-        cmocka_unit_test(a_table_as_a_tf_file_gives_the_same_entries_back),
-        cmocka_unit_test(judgment_is_the_error_at_the_voxels),
-        cmocka_unit_test(a_tissue_that_shares_a_value_with_a_plate_stays_dark),
-        cmocka_unit_test(a_larger_error_at_the_voxels_keeps_the_original_tf),
-        cmocka_unit_test(deviation_parts_homogeneous_voxels_from_mixed_ones),
-        cmocka_unit_test(levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -74,9 +74,8 @@ static double alpha_at(const iso_image *image, size_t column)
     return (double)image->rgba[4 * (4 * 12 + column) + 3];
 }
 
-static void a_2d_transfer_function_of_equal_rows_is_the_1d_one(void **state)
+TEST(a_2d_transfer_function_of_equal_rows_is_the_1d_one)
 {
-    (void)state;
     iso_pyramid p = shared_value_pyramid();
     iso_view view = front_view(&p);
     iso_adapt_options opt = iso_adapt_defaults();
@@ -104,9 +103,8 @@ static void a_2d_transfer_function_of_equal_rows_is_the_1d_one(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void a_2d_transfer_function_shows_the_plate_and_not_the_block_that_shares_its_value(void **state)
+TEST(a_2d_transfer_function_shows_the_plate_and_not_the_block_that_shares_its_value)
 {
-    (void)state;
     iso_pyramid p = shared_value_pyramid();
     iso_view view = front_view(&p);
     iso_adapt_options opt = iso_adapt_defaults();
@@ -140,11 +138,4 @@ static void a_2d_transfer_function_shows_the_plate_and_not_the_block_that_shares
     iso_pyramid_destroy(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_2d_transfer_function_of_equal_rows_is_the_1d_one),
-        cmocka_unit_test(a_2d_transfer_function_shows_the_plate_and_not_the_block_that_shares_its_value),
-    };
-    return cmocka_run_group_tests(tests, open_gl, close_gl);
-}
+TEST_MAIN(open_gl, close_gl)

@@ -233,9 +233,8 @@ static double farthest(const gradient *g, const double *truth)
 
 static const iso_cpu_width widths[] = {ISO_CPU_ONE, ISO_CPU_BASELINE, ISO_CPU_AVX2, ISO_CPU_AVX512};
 
-static void gradients_are_finite_differences(void **state)
+TEST(gradients_are_finite_differences)
 {
-    (void)state;
     for (int orthographic = 0; orthographic < 2; ++orthographic) {
         problem *p = make_problem(orthographic);
         double *truth = malloc(PARAMETERS * sizeof *truth);
@@ -257,9 +256,8 @@ static void gradients_are_finite_differences(void **state)
 
 /* ---- pictures ---- */
 
-static void pictures_are_the_casters(void **state)
+TEST(pictures_are_the_casters)
 {
-    (void)state;
     problem *p = make_problem(false);
     static float rgba[4 * PIXELS], scalar[VOXELS], directions[3 * VOXELS];
     const iso_adjoint_field f = {&p->geometry, p->voxels, NULL};
@@ -287,9 +285,8 @@ static void pictures_are_the_casters(void **state)
     free(p);
 }
 
-static void a_seed_shifts_samples_and_gives_the_same_again(void **state)
+TEST(a_seed_shifts_samples_and_gives_the_same_again)
 {
-    (void)state;
     problem *p = make_problem(true);
     static float rgba[3][4 * PIXELS];
     const iso_adjoint_field f = field_of(p);
@@ -307,9 +304,8 @@ static void a_seed_shifts_samples_and_gives_the_same_again(void **state)
 
 /* A slab of thickness L with sigma = 0.2 v 2^o, seen along an axis: alpha = 1 - exp(-sigma L). A pixel's derivatives by
  * all voxels, octaves and entries sum up to those by v, o and the table's height, whatever the samples' shifts are. */
-static void a_slabs_derivatives_are_the_closed_form(void **state)
+TEST(a_slabs_derivatives_are_the_closed_form)
 {
-    (void)state;
     problem *p = make_problem(true);
     static float weights[4 * PIXELS];
     const double value = 0.6, octave = 0.5, length = NZ * 0.7, sigma = 0.2 * value * exp2(octave),
@@ -346,13 +342,4 @@ static void a_slabs_derivatives_are_the_closed_form(void **state)
     free(p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest all[] = {
-        cmocka_unit_test(pictures_are_the_casters),
-        cmocka_unit_test(gradients_are_finite_differences),
-        cmocka_unit_test(a_slabs_derivatives_are_the_closed_form),
-        cmocka_unit_test(a_seed_shifts_samples_and_gives_the_same_again),
-    };
-    return cmocka_run_group_tests(all, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -32,9 +32,8 @@ static iso_volume sample(iso_field_kind kind, const size_t size[3], const double
 /* 0 1 2 3 4 3 2 1, again and again, along z: of the differences 0 1 1 1 0 -1 -1 -1 the first half and the second agree,
  * and a voxel of level 3 holds both. The first plane has a difference of 1, as there is nothing before it: of its eight
  * one is left, and seven of 49 squares are its own. */
-static void opposite_faces_within_a_voxel_are_an_axis(void **state)
+TEST(opposite_faces_within_a_voxel_are_an_axis)
 {
-    (void)state;
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){8, 8, 64}, (double[]){1, 1, 1});
     iso_volume v;
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "zigzag", &err));
@@ -55,9 +54,8 @@ static void opposite_faces_within_a_voxel_are_an_axis(void **state)
 }
 
 /* Gradients of one direction agree whatever their sizes are; where there are none, nothing is lost. */
-static void one_direction_agrees_and_none_does_not_matter(void **state)
+TEST(one_direction_agrees_and_none_does_not_matter)
 {
-    (void)state;
     static const iso_field_kind kinds[] = {ISO_FIELD_RAMP, ISO_FIELD_CONSTANT};
     for (size_t i = 0; i < 2; ++i) {
         iso_volume v = sample(kinds[i], (size_t[]){17, 13, 22}, (double[]){1, 2, 0.5});
@@ -73,9 +71,8 @@ static void one_direction_agrees_and_none_does_not_matter(void **state)
 }
 
 /* The row's own figures: no axis at all, and the limit itself. */
-static void the_limit_is_where_it_says(void **state)
+TEST(the_limit_is_where_it_says)
 {
-    (void)state;
     const float third = 1.0f / 3, none[10] = {0, 0, 0, 1, third, third, third, 0, 0, 0};
     /* |T| = 1: an axis; |N| as much less as the limit, or a little more than that */
     const float at[10] = {0.59375f, 0, 0, 1, 1, 0, 0, 0, 0, 0}, over[10] = {0.609375f, 0, 0, 1, 1, 0, 0, 0, 0, 0};
@@ -106,9 +103,8 @@ static bool is_same_level(const iso_level *a, const iso_level *b)
            memcmp(a->magnitude, b->magnitude, count * sizeof(float)) == 0;
 }
 
-static void a_level_has_every_bit_of_the_filter_that_is_named(void **state)
+TEST(a_level_has_every_bit_of_the_filter_that_is_named)
 {
-    (void)state;
     static const iso_field_kind kinds[] = {ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_PLATE, ISO_FIELD_SPHERE,
                                            ISO_FIELD_TUBES};
     size_t chosen[ISO_DIRECTION_COUNT] = {0};
@@ -142,9 +138,8 @@ static void a_level_has_every_bit_of_the_filter_that_is_named(void **state)
 }
 
 /* Sums are integers: neither threads nor a power of two in the values changes a bit of the figures. */
-static void figures_do_not_depend_on_threads_or_units(void **state)
+TEST(figures_do_not_depend_on_threads_or_units)
 {
-    (void)state;
     iso_volume v = sample(ISO_FIELD_MARSCHNER_LOBB, (size_t[]){33, 47, 29}, (double[]){1, 1, 1.5});
     iso_pyramid_options opt = iso_pyramid_defaults();
     iso_direction_choice first = {0};
@@ -165,14 +160,4 @@ static void figures_do_not_depend_on_threads_or_units(void **state)
     iso_volume_destroy(&v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(opposite_faces_within_a_voxel_are_an_axis),
-        cmocka_unit_test(one_direction_agrees_and_none_does_not_matter),
-        cmocka_unit_test(the_limit_is_where_it_says),
-        cmocka_unit_test(a_level_has_every_bit_of_the_filter_that_is_named),
-        cmocka_unit_test(figures_do_not_depend_on_threads_or_units),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

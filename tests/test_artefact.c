@@ -142,15 +142,13 @@ static void swap_grids(const char *blend)
     free(command);
 }
 
-static void a_folder_of_povray_is_opened(void **state)
+TEST(a_folder_of_povray_is_opened)
 {
-    (void)state;
     expect_faults_are_seen("povray", lose_values, NULL);
 }
 
-static void a_blend_is_opened(void **state)
+VALUES_TEST(a_blend_is_opened)
 {
-    (void)state;
     need_cycles();
     expect_faults_are_seen("blender", lose_grids, swap_grids);
 }
@@ -198,9 +196,8 @@ static const json_t *rows_of(const iso_validation *v, const char *list)
 }
 
 /* What the budget's end ended says nothing of the export: it is left out, as it is where the budget is over before. */
-static void an_export_that_the_budget_ends_is_left_out(void **state)
+TEST(an_export_that_the_budget_ends_is_left_out)
 {
-    (void)state;
     iso_validation v = open_validation("late");
     take_as_povray("#!/bin/sh\nexec sleep 1000\n");
     v.budget_seconds = 1;
@@ -218,9 +215,8 @@ static void an_export_that_the_budget_ends_is_left_out(void **state)
 }
 
 /* Nor does Ctrl-C: the run ends. The last test here, since nothing is to be begun after it. */
-static void an_export_that_is_interrupted_ends_the_run(void **state)
+TEST(an_export_that_is_interrupted_ends_the_run)
 {
-    (void)state;
     char script[128];
     iso_validation v = open_validation("stopped");
     snprintf(script, sizeof script, "#!/bin/sh\nkill -TERM %ld\nexec sleep 1000\n", (long)getpid());
@@ -233,13 +229,4 @@ static void an_export_that_is_interrupted_ends_the_run(void **state)
     close_validation(&v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_folder_of_povray_is_opened),
-        cmocka_values_test(a_blend_is_opened),
-        cmocka_unit_test(an_export_that_the_budget_ends_is_left_out),
-        cmocka_unit_test(an_export_that_is_interrupted_ends_the_run),
-    };
-    return cmocka_run_group_tests(tests, begin, end);
-}
+TEST_MAIN(begin, end)

@@ -45,9 +45,8 @@ static void a_failure_and_its_fallback_stand(void **state)
 }
 
 /* A case runs what the option strings say: one that no command knows is refused. */
-static void an_unknown_option_is_refused(void **state)
+TEST(an_unknown_option_is_refused)
 {
-    (void)state;
     iso_atlas_case c = iso_atlas_cases[0];
     iso_atlas_result r;
     c.ways[ISO_ATLAS_FALLBACK].build = "--shading-from sobel";
@@ -57,9 +56,8 @@ static void an_unknown_option_is_refused(void **state)
 }
 
 /* What the atlas writes for its reader is a scene file, of the same transfer function and camera. */
-static void the_scene_is_a_scene_file(void **state)
+TEST(the_scene_is_a_scene_file)
 {
-    (void)state;
     char *path = iso_path_join(folder, "case.scene.json");
     for (size_t i = 0; i < iso_atlas_case_count; ++i) {
         const iso_atlas_scene *s = &iso_atlas_cases[i].scene;
@@ -80,9 +78,8 @@ static void the_scene_is_a_scene_file(void **state)
     free(path);
 }
 
-static void ids_are_of_their_own(void **state)
+TEST(ids_are_of_their_own)
 {
-    (void)state;
     for (size_t i = 0; i < iso_atlas_case_count; ++i)
         assert_ptr_equal(iso_atlas_find(iso_atlas_cases[i].id), &iso_atlas_cases[i]);
     assert_null(iso_atlas_find("none"));
@@ -90,15 +87,9 @@ static void ids_are_of_their_own(void **state)
 
 int main(void)
 {
-    struct CMUnitTest *tests = calloc(iso_atlas_case_count + 3, sizeof *tests);
     for (size_t i = 0; i < iso_atlas_case_count; ++i)
-        tests[i] = (struct CMUnitTest){.name = iso_atlas_cases[i].id,
-                                       .test_func = a_failure_and_its_fallback_stand,
-                                       .initial_state = (void *)&iso_atlas_cases[i]};
-    tests[iso_atlas_case_count] = (struct CMUnitTest)cmocka_unit_test(an_unknown_option_is_refused);
-    tests[iso_atlas_case_count + 1] = (struct CMUnitTest)cmocka_unit_test(ids_are_of_their_own);
-    tests[iso_atlas_case_count + 2] = (struct CMUnitTest)cmocka_unit_test(the_scene_is_a_scene_file);
-    int rc = _cmocka_run_group_tests("atlas", tests, iso_atlas_case_count + 3, make_folder, remove_folder);
-    free(tests);
-    return rc;
+        iso_add_case(__LINE__, (struct CMUnitTest){.name = iso_atlas_cases[i].id,
+                                                   .test_func = a_failure_and_its_fallback_stand,
+                                                   .initial_state = (void *)&iso_atlas_cases[i]});
+    return run_cases(make_folder, remove_folder);
 }

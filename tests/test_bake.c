@@ -130,7 +130,7 @@ static void load_points(const char *path, const char *name, size_t channels, con
 }
 
 /* A slab of extinction .3 / mm: 10 mm along x are 3, whatever the unit, the points, and the axis that is up. */
-static void a_slab_is_as_deep_in_every_unit(void **state)
+TEST_BETWEEN(a_slab_is_as_deep_in_every_unit, setup, teardown)
 {
     const folder *f = *state;
     const char *const units[] = {"mm", "cm", "m", "inch"}, *const ups[] = {"z", "y"};
@@ -180,9 +180,8 @@ static bool is_placed(const double m[3][3], iso_vec3 found, iso_vec3 wanted)
 }
 
 /* x, y, z in mm become x, z, -y in cm; a mirrored y is rejected. */
-static void y_up_is_a_rotation(void **state)
+TEST(y_up_is_a_rotation)
 {
-    (void)state;
     const iso_vdb_convention up = {.unit_mm = 10, .unit = "cm", .y_up = true};
     const iso_vec3 p = iso_vdb_in_scene(&up, iso_v3(10, 20, 30)), wanted = iso_v3(1, 3, -2);
     double m[3][3], mirrored[3][3];
@@ -199,9 +198,8 @@ static void y_up_is_a_rotation(void **state)
 }
 
 /* One voxel is visible: its point is at the voxel's center, of a left-handed level too. */
-static void a_point_stays_at_its_place(void **state)
+TEST(a_point_stays_at_its_place)
 {
-    (void)state;
     scene s;
     make_scene(&s);
     set_tf(&s, 1, 1, 1, 1);
@@ -228,9 +226,8 @@ static void a_point_stays_at_its_place(void **state)
 
 /* A red point: all 26 neighbors are red without extinction, and half way there the color is still red, neither half
  * black nor the green that the transfer function has where it is transparent. */
-static void transparent_neighbors_do_not_bleed(void **state)
+TEST(transparent_neighbors_do_not_bleed)
 {
-    (void)state;
     scene s;
     make_scene(&s);
     set_tf(&s, 0.8F, 0.1F, 0.2F, 2);
@@ -261,7 +258,7 @@ static void transparent_neighbors_do_not_bleed(void **state)
 }
 
 /* Ramps of values: nothing is negative, emission is extinction times color, and points that are not active are 0. */
-static void grids_agree_and_are_never_negative(void **state)
+TEST_BETWEEN(grids_agree_and_are_never_negative, setup, teardown)
 {
     const folder *f = *state;
     scene s;
@@ -298,9 +295,8 @@ static void grids_agree_and_are_never_negative(void **state)
 
 /* A clip plane through the middle of a voxel leaves half of what it had; a coarse level's last voxel that overhangs the
  * box by half likewise. */
-static void cut_cells_keep_their_part(void **state)
+TEST(cut_cells_keep_their_part)
 {
-    (void)state;
     scene s;
     make_scene(&s);
     set_tf(&s, 1, 1, 1, 1);
@@ -321,9 +317,8 @@ static void cut_cells_keep_their_part(void **state)
 
 /* The picture of a baked slab, 1 - exp(-sigma d) in its middle, and an error that is measured as 0 where nothing is
  * lost. */
-static void the_picture_of_a_slab_is_exact(void **state)
+TEST(the_picture_of_a_slab_is_exact)
 {
-    (void)state;
     scene s;
     iso_image image = {0};
     iso_bake_error e;
@@ -346,9 +341,8 @@ static void the_picture_of_a_slab_is_exact(void **state)
 }
 
 /* Finer lattices come nearer to the exact picture; with one that is wrong, a grid twice as dense, the error shows. */
-static void the_error_is_that_of_the_grid(void **state)
+TEST(the_error_is_that_of_the_grid)
 {
-    (void)state;
     scene s;
     double before = INFINITY;
     make_scene(&s);
@@ -375,9 +369,8 @@ static void the_error_is_that_of_the_grid(void **state)
     }
 }
 
-static void threads_change_nothing(void **state)
+TEST(threads_change_nothing)
 {
-    (void)state;
     scene s;
     make_scene(&s);
     set_tf(&s, 0.5F, 1, 0.25F, 2);
@@ -414,9 +407,8 @@ static void assert_all_points(const scene *s, const iso_baked *b)
     iso_sampler_destroy(&sampler);
 }
 
-static void blocks_that_one_voxel_reaches_are_there(void **state)
+TEST(blocks_that_one_voxel_reaches_are_there)
 {
-    (void)state;
     float entries[4 * 64] = {0}; /* transparent near 0, so that what is far from the voxel shows nothing */
     for (size_t i = 2; i < 64; ++i)
         entries[4 * i + 3] = (float)i;
@@ -436,9 +428,8 @@ static void blocks_that_one_voxel_reaches_are_there(void **state)
             }
 }
 
-static void words_are_checked(void **state)
+TEST(words_are_checked)
 {
-    (void)state;
     static const iso_bake_words wrong[] = {{.grids = "Cd"},
                                            {.grids = "density,Cd,Cd"},
                                            {.grids = "density,albedo"},
@@ -469,7 +460,7 @@ static void words_are_checked(void **state)
 }
 
 /* Voxels of a nanometer in scenes of meters: OpenVDB would call their transform singular. */
-static void a_unit_that_does_not_suit_is_refused(void **state)
+TEST_BETWEEN(a_unit_that_does_not_suit_is_refused, setup, teardown)
 {
     const folder *f = *state;
     scene s;
@@ -484,21 +475,4 @@ static void a_unit_that_does_not_suit_is_refused(void **state)
     iso_baked_destroy(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(a_slab_is_as_deep_in_every_unit, setup, teardown),
-        cmocka_unit_test(y_up_is_a_rotation),
-        cmocka_unit_test(a_point_stays_at_its_place),
-        cmocka_unit_test(transparent_neighbors_do_not_bleed),
-        cmocka_unit_test_setup_teardown(grids_agree_and_are_never_negative, setup, teardown),
-        cmocka_unit_test(cut_cells_keep_their_part),
-        cmocka_unit_test(the_picture_of_a_slab_is_exact),
-        cmocka_unit_test(the_error_is_that_of_the_grid),
-        cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(blocks_that_one_voxel_reaches_are_there),
-        cmocka_unit_test(words_are_checked),
-        cmocka_unit_test_setup_teardown(a_unit_that_does_not_suit_is_refused, setup, teardown),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

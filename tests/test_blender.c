@@ -173,16 +173,14 @@ static void check_case(const scene_case *c, double limit)
 }
 
 /* Values of both signs, and opacity at the border: the box is cut within a step. */
-static void a_soft_opaque_border_agrees_in_perspective(void **state)
+VALUES_TEST(a_soft_opaque_border_agrees_in_perspective)
 {
-    (void)state;
     need_cycles();
     check_case(&(scene_case){.field = ISO_FIELD_NOISE, .type = ISO_I16, .tf = soft_tf}, SMOOTH_LIMIT);
 }
 
-static void an_overhanging_sheared_level_agrees_orthographically(void **state)
+VALUES_TEST(an_overhanging_sheared_level_agrees_orthographically)
 {
-    (void)state;
     need_cycles();
     check_case(&(scene_case){.field = ISO_FIELD_RAMP,
                              .type = ISO_F32,
@@ -194,9 +192,8 @@ static void an_overhanging_sheared_level_agrees_orthographically(void **state)
 }
 
 /* As in many scans: the determinant of index_to_world is below 0, of which Blender by itself draws nothing right. */
-static void a_left_handed_grid_agrees(void **state)
+VALUES_TEST(a_left_handed_grid_agrees)
 {
-    (void)state;
     need_cycles();
     check_case(
         &(scene_case){.field = ISO_FIELD_NOISE, .type = ISO_U8, .shear = 0.3, .scale = -1, .level = 1, .tf = soft_tf},
@@ -204,9 +201,8 @@ static void a_left_handed_grid_agrees(void **state)
 }
 
 /* Voxels of a tenth of a micrometer: Blender's single precision would lose them in its own unit. A plane cuts them. */
-static void thin_shells_under_the_microscope_agree_at_a_coarse_level(void **state)
+VALUES_TEST(thin_shells_under_the_microscope_agree_at_a_coarse_level)
 {
-    (void)state;
     need_cycles();
     check_case(&(scene_case){.field = ISO_FIELD_SHELLS,
                              .type = ISO_U8,
@@ -220,9 +216,8 @@ static void thin_shells_under_the_microscope_agree_at_a_coarse_level(void **stat
 
 /* Error bar: the pictures at h/8 and h/16 are apart by what h/16 still errs, or more. Then the planted faults: each
  * makes another reference, which Cycles' picture must not agree with. */
-static void thin_shells_agree_within_the_error_bar_and_faults_do_not(void **state)
+TEST(thin_shells_agree_within_the_error_bar_and_faults_do_not)
 {
-    (void)state;
     need_cycles();
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SHELLS, .type = ISO_F32, .tf = thin_tf});
     iso_image want = reference(&s, 0, &s.view), fine = cycles(&s, 0, 1.0 / 16), coarse = cycles(&s, 0, 1.0 / 8);
@@ -270,9 +265,8 @@ static void thin_shells_agree_within_the_error_bar_and_faults_do_not(void **stat
 }
 
 /* Steps and seeds change from frame to frame, nothing else: each picture is that of a run of its own. */
-static void frames_of_one_run_are_the_pictures_of_single_runs(void **state)
+TEST(frames_of_one_run_are_the_pictures_of_single_runs)
 {
-    (void)state;
     need_cycles();
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SHELLS, .type = ISO_F32, .tf = thin_tf});
     iso_blender_options frames[3] = {iso_blender_defaults(), iso_blender_defaults(), iso_blender_defaults()};
@@ -298,9 +292,8 @@ static void frames_of_one_run_are_the_pictures_of_single_runs(void **state)
 
 /* Cycles takes seeds that differ in their last bit alone for the same one: what is given to it differs elsewhere
  * too. */
-static void each_seed_has_a_noise_of_its_own(void **state)
+VALUES_TEST(each_seed_has_a_noise_of_its_own)
 {
-    (void)state;
     need_cycles();
     enum { count = 6 };
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SHELLS, .type = ISO_F32, .tf = thin_tf});
@@ -389,9 +382,8 @@ static void make_tables(const iso_tf_table *tf, iso_tf_table tables[2])
     }
 }
 
-static void an_exported_scene_can_be_moved_switched_and_turned(void **state)
+TEST(an_exported_scene_can_be_moved_switched_and_turned)
 {
-    (void)state;
     need_cycles();
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
     char *made = iso_path_join(s.dir, "made"), *moved = iso_path_join(s.dir, "moved");
@@ -438,9 +430,8 @@ static void an_exported_scene_can_be_moved_switched_and_turned(void **state)
 }
 
 /* The .blend says in digits to be read where its origin lies; camera, box and suns are there with the volume. */
-static void a_volume_far_from_the_origin_agrees_and_so_does_its_file(void **state)
+VALUES_TEST(a_volume_far_from_the_origin_agrees_and_so_does_its_file)
 {
-    (void)state;
     need_cycles();
     check_case(&far_away, SMOOTH_LIMIT);
     subject s = open_subject(&far_away);
@@ -481,9 +472,8 @@ static void check_nothing_left(const char *dir, const char *stem)
     free(vdb);
 }
 
-static void failures_are_told_and_leave_no_file(void **state)
+TEST(failures_are_told_and_leave_no_file)
 {
-    (void)state;
     need_cycles();
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
     iso_blender_options opt = iso_blender_defaults();
@@ -511,9 +501,8 @@ static void failures_are_told_and_leave_no_file(void **state)
 }
 
 /* A Blender that puts grids somewhere new: its script is changed on the way to it. */
-static void a_blender_that_puts_voxels_elsewhere_is_refused(void **state)
+TEST(a_blender_that_puts_voxels_elsewhere_is_refused)
 {
-    (void)state;
     need_cycles();
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
     char *wrapper = iso_path_join(s.dir, "blender"), *blender = NULL, *text = NULL;
@@ -538,29 +527,11 @@ static void a_blender_that_puts_voxels_elsewhere_is_refused(void **state)
     close_subject(&s);
 }
 
-static void the_version_is_a_number(void **state)
+TEST(the_version_is_a_number)
 {
-    (void)state;
     char version[32];
     assert_ok(iso_blender_version(NULL, version, sizeof version, &err));
     assert_more_than(atof(version), 2.8);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_version_is_a_number),
-        cmocka_values_test(a_soft_opaque_border_agrees_in_perspective),
-        cmocka_values_test(an_overhanging_sheared_level_agrees_orthographically),
-        cmocka_values_test(a_left_handed_grid_agrees),
-        cmocka_values_test(thin_shells_under_the_microscope_agree_at_a_coarse_level),
-        cmocka_values_test(a_volume_far_from_the_origin_agrees_and_so_does_its_file),
-        cmocka_unit_test(thin_shells_agree_within_the_error_bar_and_faults_do_not),
-        cmocka_unit_test(frames_of_one_run_are_the_pictures_of_single_runs),
-        cmocka_values_test(each_seed_has_a_noise_of_its_own),
-        cmocka_unit_test(an_exported_scene_can_be_moved_switched_and_turned),
-        cmocka_unit_test(failures_are_told_and_leave_no_file),
-        cmocka_unit_test(a_blender_that_puts_voxels_elsewhere_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

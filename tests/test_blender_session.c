@@ -86,9 +86,8 @@ static void set_wrapper(void)
 }
 
 /* Scene by scene: the first start draws both and fails at the third; the next one draws that. */
-static void pictures_are_those_of_a_blender_for_each_and_a_failure_ends_one_scene(void **state)
+TEST(pictures_are_those_of_a_blender_for_each_and_a_failure_ends_one_scene)
 {
-    (void)state;
     need_cycles();
     subject s = make_subject();
     iso_image alone[scenes], image;
@@ -121,10 +120,4 @@ static void pictures_are_those_of_a_blender_for_each_and_a_failure_ends_one_scen
     end_subject(&s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pictures_are_those_of_a_blender_for_each_and_a_failure_ends_one_scene),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

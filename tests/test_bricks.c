@@ -32,23 +32,20 @@ static void check_every_configuration(size_t brick_voxels, size_t level_count, i
     iso_node_levels_destroy(&n);
 }
 
-static void every_configuration_of_two_levels_is_continuous_and_bricks_on_their_own_are_not(void **state)
+TEST(every_configuration_of_two_levels_is_continuous_and_bricks_on_their_own_are_not)
 {
-    (void)state;
     random_state = (iso_random){1};
     check_every_configuration(8, 2, 60);
 }
 
-static void every_configuration_of_three_levels_is_continuous(void **state)
+TEST(every_configuration_of_three_levels_is_continuous)
 {
-    (void)state;
     random_state = (iso_random){2};
     check_every_configuration(4, 3, 16);
 }
 
-static void random_layouts_of_four_levels_are_continuous_in_scalar_and_direction(void **state)
+TEST(random_layouts_of_four_levels_are_continuous_in_scalar_and_direction)
 {
-    (void)state;
     random_state = (iso_random){3};
     static const size_t size[3] = {25, 33, 18}; /* the last axis ends inside a brick */
     iso_node_levels n = noise_levels(size, 8, 4, true);
@@ -69,9 +66,8 @@ static void random_layouts_of_four_levels_are_continuous_in_scalar_and_direction
 }
 
 /* Power of the test itself: at one known point the baked face has no jump, the brick's own nodes have one. */
-static void a_face_of_own_nodes_is_found_out(void **state)
+TEST(a_face_of_own_nodes_is_found_out)
 {
-    (void)state;
     random_state = (iso_random){4};
     static const size_t size[3] = {17, 17, 17};
     iso_node_levels n = noise_levels(size, 8, 2, false);
@@ -109,9 +105,8 @@ static size_t bricks_unlike_their_nodes(const iso_brick_field *told, const iso_b
     return unlike;
 }
 
-static void bricks_are_baked_and_told_by_their_nodes(void **state)
+TEST(bricks_are_baked_and_told_by_their_nodes)
 {
-    (void)state;
     random_state = (iso_random){6};
     static const size_t size[3] = {25, 33, 18};
     iso_node_levels n = noise_levels(size, 8, 4, true);
@@ -132,9 +127,8 @@ static void bricks_are_baked_and_told_by_their_nodes(void **state)
     iso_node_levels_destroy(&n);
 }
 
-static void interior_of_a_fine_brick_is_the_volume_itself(void **state)
+TEST(interior_of_a_fine_brick_is_the_volume_itself)
 {
-    (void)state;
     random_state = (iso_random){5};
     static const size_t size[3] = {17, 14, 17};
     iso_node_levels n = noise_levels(size, 8, 3, false);
@@ -150,9 +144,8 @@ static void interior_of_a_fine_brick_is_the_volume_itself(void **state)
 }
 
 /* [1 2 1] keeps what is linear, and so do all interpolations: any layout shows the ramp. */
-static void any_layout_reproduces_a_ramp_away_from_the_continued_edge(void **state)
+TEST(any_layout_reproduces_a_ramp_away_from_the_continued_edge)
 {
-    (void)state;
     random_state = (iso_random){6};
     static const size_t size[3] = {33, 33, 33};
     iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .min = 0, .max = 224};
@@ -209,9 +202,8 @@ static double fetch(const iso_node_levels *n, const iso_brick_pack *pack, const 
     return value;
 }
 
-static void packed_bricks_do_not_overlap_and_give_the_field(void **state)
+TEST(packed_bricks_do_not_overlap_and_give_the_field)
 {
-    (void)state;
     random_state = (iso_random){7};
     static const size_t size[3] = {33, 41, 20};
     iso_node_levels n = noise_levels(size, 8, 4, false);
@@ -254,9 +246,8 @@ static void packed_bricks_do_not_overlap_and_give_the_field(void **state)
     iso_node_levels_destroy(&n);
 }
 
-static void eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none(void **state)
+TEST(eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none)
 {
-    (void)state;
     static const size_t size[3] = {129, 129, 33};
     iso_node_levels n = noise_levels(size, 32, 2, false);
     uint8_t levels[16], visible[16];
@@ -327,9 +318,8 @@ static double distance_to_level0(const iso_node_levels *n, const iso_level *leve
     return sqrt(sum / (double)count);
 }
 
-static void sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_range(void **state)
+TEST(sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_range)
 {
-    (void)state;
     iso_pyramid p = make_waves();
     iso_node_levels smooth, sharp, cells;
     assert_ok(
@@ -358,9 +348,8 @@ static void sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_ra
     iso_pyramid_destroy(&p);
 }
 
-static void nodes_from_cells_are_continuous_and_linear_fields_stay_linear(void **state)
+TEST(nodes_from_cells_are_continuous_and_linear_fields_stay_linear)
 {
-    (void)state;
     const size_t size[3] = {33, 40, 37};
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_volume v = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .type = ISO_F32};
@@ -448,9 +437,8 @@ static size_t bricks_made_otherwise(narrow_case *c, const iso_node_levels *all, 
 
 /* The planted faults: another filter; and a plane of voxels that other bricks have, as far from a brick of level 3 as
  * its nodes reach: 2 (1 + 2 + 4) voxels, by the smooth filter 1 + 2 + 4 and a gradient's one. */
-static void bricks_made_by_themselves_are_those_of_all_nodes_bit_by_bit(void **state)
+TEST(bricks_made_by_themselves_are_those_of_all_nodes_bit_by_bit)
 {
-    (void)state;
     random_state = (iso_random){7};
     for (int round = 0; round < 8; ++round) {
         narrow_case c = make_narrow();
@@ -479,9 +467,8 @@ static void bricks_made_by_themselves_are_those_of_all_nodes_bit_by_bit(void **s
     }
 }
 
-static void bad_bricks_are_refused(void **state)
+TEST(bad_bricks_are_refused)
 {
-    (void)state;
     float scalar = 0;
     iso_level level = {.geometry = iso_geometry_axis_aligned((const size_t[3]){1, 1, 1}, (const double[3]){1, 1, 1}),
                        .scalar = &scalar,
@@ -494,22 +481,4 @@ static void bad_bricks_are_refused(void **state)
     iso_node_levels_destroy(&n);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_configuration_of_two_levels_is_continuous_and_bricks_on_their_own_are_not),
-        cmocka_unit_test(every_configuration_of_three_levels_is_continuous),
-        cmocka_unit_test(random_layouts_of_four_levels_are_continuous_in_scalar_and_direction),
-        cmocka_unit_test(a_face_of_own_nodes_is_found_out),
-        cmocka_unit_test(bricks_are_baked_and_told_by_their_nodes),
-        cmocka_unit_test(interior_of_a_fine_brick_is_the_volume_itself),
-        cmocka_unit_test(any_layout_reproduces_a_ramp_away_from_the_continued_edge),
-        cmocka_unit_test(packed_bricks_do_not_overlap_and_give_the_field),
-        cmocka_unit_test(eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none),
-        cmocka_unit_test(sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_range),
-        cmocka_unit_test(nodes_from_cells_are_continuous_and_linear_fields_stay_linear),
-        cmocka_unit_test(bricks_made_by_themselves_are_those_of_all_nodes_bit_by_bit),
-        cmocka_unit_test(bad_bricks_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

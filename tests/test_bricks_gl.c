@@ -12,9 +12,8 @@
 #define MAX_ABS 2e-5
 #define RMSE 1e-6
 
-static void random_layouts_agree_with_the_reference_in_every_loop(void **state)
+TEST(random_layouts_agree_with_the_reference_in_every_loop)
 {
-    (void)state;
     static const iso_field_kind kinds[] = {ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_SPHERE};
     for (size_t k = 0; k < 2; ++k) {
         brick_scene s;
@@ -46,9 +45,8 @@ static void random_layouts_agree_with_the_reference_in_every_loop(void **state)
 }
 
 /* 16 bits: half a step of 1/65535 a value through a TF of slope 30 and more. */
-static void cache_of_16_bits_is_close(void **state)
+TEST(cache_of_16_bits_is_close)
 {
-    (void)state;
     brick_scene s;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
@@ -64,9 +62,8 @@ static void cache_of_16_bits_is_close(void **state)
     destroy_brick_scene(&s);
 }
 
-static void bricks_all_at_the_finest_level_are_the_volume(void **state)
+TEST(bricks_all_at_the_finest_level_are_the_volume)
 {
-    (void)state;
     brick_scene s;
     make_brick_scene(&s, ISO_FIELD_SPHERE);
     memset(s.levels, 0, sizeof s.levels);
@@ -87,9 +84,8 @@ static void bricks_all_at_the_finest_level_are_the_volume(void **state)
     destroy_brick_scene(&s);
 }
 
-static void a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it(void **state)
+TEST(a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it)
 {
-    (void)state;
     brick_scene s;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     memset(s.levels, 0, sizeof s.levels);
@@ -113,9 +109,8 @@ static void a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it(void 
 
 /* Pages as if a texture had no more than a few slots a side: the same samples from other textures. z + page keeps fewer
  * bits of z: a hundred-thousandth of a texel here. */
-static void pages_show_what_one_texture_shows(void **state)
+TEST(pages_show_what_one_texture_shows)
 {
-    (void)state;
     brick_scene s;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
@@ -144,14 +139,4 @@ static void pages_show_what_one_texture_shows(void **state)
     destroy_brick_scene(&s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_layouts_agree_with_the_reference_in_every_loop),
-        cmocka_unit_test(cache_of_16_bits_is_close),
-        cmocka_unit_test(bricks_all_at_the_finest_level_are_the_volume),
-        cmocka_unit_test(pages_show_what_one_texture_shows),
-        cmocka_unit_test(a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it),
-    };
-    return cmocka_run_group_tests(tests, open_gl, close_gl);
-}
+TEST_MAIN(open_gl, close_gl)

@@ -35,28 +35,24 @@ static void expect_trust(const iso_renderer_info *which)
     assert_int_equal(failures, 0);
 }
 
-static void the_reference_passes_its_calibration(void **state)
+TEST(the_reference_passes_its_calibration)
 {
-    (void)state;
     expect_trust(&iso_renderer_reference);
 }
 
-static void the_ray_caster_passes_its_calibration(void **state)
+TEST(the_ray_caster_passes_its_calibration)
 {
-    (void)state;
     expect_trust(&iso_renderer_gl);
 }
 
-static void the_cpu_ray_caster_passes_its_calibration(void **state)
+TEST(the_cpu_ray_caster_passes_its_calibration)
 {
-    (void)state;
     expect_trust(&iso_renderer_cpu);
 }
 
 /* By one start, and what single checks draw by starts of their own is the same to the last bit. */
-static void povray_passes_its_calibration_by_one_start(void **state)
+VALUES_TEST(povray_passes_its_calibration_by_one_start)
 {
-    (void)state;
     const char *single[] = {"placement", "view vector"};
     iso_calibration c[ISO_CALIBRATION_COUNT], one;
     const size_t before = iso_work_sum().starts;
@@ -85,9 +81,8 @@ static iso_status render_scenes_fails(const iso_render_request *scenes, size_t c
     return iso_fail(why, ISO_E_PROGRAM, "it crashed");
 }
 
-static void scenes_of_one_start_are_each_judged_by_their_own_picture(void **state)
+TEST(scenes_of_one_start_are_each_judged_by_their_own_picture)
 {
-    (void)state;
     iso_calibration c[ISO_CALIBRATION_COUNT];
     iso_renderer_info together = iso_renderer_reference;
     together.render_scenes = render_exchanged;
@@ -96,15 +91,14 @@ static void scenes_of_one_start_are_each_judged_by_their_own_picture(void **stat
     assert_int_equal(count_failures(&together, ISO_FAULT_NONE, c), 0);
 }
 
-static void cycles_passes_its_calibration(void **state)
+TEST(cycles_passes_its_calibration)
 {
-    (void)state;
     need_cycles();
     expect_trust(&iso_renderer_cycles);
 }
 
 /* For the two renderers that cost nothing to run. */
-static void every_planted_fault_is_caught_by_the_check_that_is_made_for_it(void **state)
+TEST(every_planted_fault_is_caught_by_the_check_that_is_made_for_it)
 {
     static const struct {
         iso_fault fault;
@@ -114,7 +108,6 @@ static void every_planted_fault_is_caught_by_the_check_that_is_made_for_it(void 
         ISO_FAULT_LIST(FAULT_ROW)
 #undef FAULT_ROW
     };
-    (void)state;
     for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i)
         for (int w = 0; w < 2; ++w) {
             const iso_renderer_info *which = w ? &iso_renderer_gl : &iso_renderer_reference;
@@ -129,10 +122,9 @@ static void every_planted_fault_is_caught_by_the_check_that_is_made_for_it(void 
 }
 
 /* A fixed view vector in perspective, and a point of view where there is none: each has its own check. */
-static void both_projections_have_their_view_vector_checked(void **state)
+TEST(both_projections_have_their_view_vector_checked)
 {
     iso_calibration c[ISO_CALIBRATION_COUNT];
-    (void)state;
     count_failures(&iso_renderer_gl, ISO_FAULT_VIEW_VECTOR, c);
     assert_more_than(c[iso_calibration_number("light")].value, 5 * c[iso_calibration_number("light")].limit);
     assert_more_than(c[iso_calibration_number("view vector")].value,
@@ -147,9 +139,8 @@ static iso_status render_fails(const iso_render_request *q, iso_image *image, is
 }
 
 /* A program may be ended, or crash, in any of the checks. */
-static void a_renderer_that_fails_in_any_check_is_refused_with_its_reason(void **state)
+TEST(a_renderer_that_fails_in_any_check_is_refused_with_its_reason)
 {
-    (void)state;
     iso_renderer_info failing = iso_renderer_reference;
     failing.name = "failing";
     failing.render = render_fails;
@@ -171,9 +162,8 @@ static iso_status render_a_hole(const iso_render_request *q, iso_image *image, i
 }
 
 /* One pixel that is no number, with good ones behind it. */
-static void what_is_no_number_passes_no_check(void **state)
+TEST(what_is_no_number_passes_no_check)
 {
-    (void)state;
     iso_renderer_info holed = iso_renderer_reference;
     holed.render = render_a_hole;
     for (int i = 0; i < ISO_CALIBRATION_COUNT; ++i) {
@@ -197,9 +187,8 @@ static iso_status render_a_faint_channel(const iso_render_request *q, iso_image 
 }
 
 /* A fiftieth less of red, green, blue or alpha alone. */
-static void each_channel_is_looked_at(void **state)
+TEST(each_channel_is_looked_at)
 {
-    (void)state;
     iso_renderer_info faint = iso_renderer_reference;
     faint.render = render_a_faint_channel;
     const int slab = iso_calibration_number("slab");
@@ -212,20 +201,4 @@ static void each_channel_is_looked_at(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_reference_passes_its_calibration),
-        cmocka_unit_test(the_ray_caster_passes_its_calibration),
-        cmocka_unit_test(the_cpu_ray_caster_passes_its_calibration),
-        cmocka_values_test(povray_passes_its_calibration_by_one_start),
-        cmocka_unit_test(scenes_of_one_start_are_each_judged_by_their_own_picture),
-        cmocka_unit_test(cycles_passes_its_calibration),
-        cmocka_unit_test(every_planted_fault_is_caught_by_the_check_that_is_made_for_it),
-        cmocka_unit_test(a_renderer_that_fails_in_any_check_is_refused_with_its_reason),
-        cmocka_unit_test(what_is_no_number_passes_no_check),
-        cmocka_unit_test(each_channel_is_looked_at),
-        cmocka_unit_test(both_projections_have_their_view_vector_checked),
-    };
-    return cmocka_run_group_tests(tests, NULL, end_renderers);
-}
+TEST_MAIN(NULL, end_renderers)

@@ -50,10 +50,9 @@ static bench_samples count(double extinction)
     return samples;
 }
 
-static void samples_in_a_slab_show_something(void **state)
+TEST(samples_in_a_slab_show_something)
 {
     const bench_samples clear = count(0.01), opaque = count(100);
-    (void)state;
     assert_int_equal(clear.looked_up, PIXELS * PIXELS * SIDE);
     assert_int_equal(clear.shown, PIXELS * PIXELS * SLAB);
     /* Behind the first sample of the slab there is no light left. */
@@ -67,38 +66,26 @@ static double seconds(const bench_samples *s)
     return 3 * (double)s->looked_up + 5 * (double)s->shown;
 }
 
-static void known_costs_give_their_bound(void **state)
+TEST(known_costs_give_their_bound)
 {
     const bench_samples dense = {1000, 900}, sparse = {1200, 60}, unlike = {1200, 90};
     const double bound = iso_bench_skipping_bound(&dense, seconds(&dense), &sparse, seconds(&sparse));
-    (void)state;
     assert_true(fabs(bound - 3900.0 / (8 * 60)) < 1e-9);
     /* Where half as many more samples show something there is less to gain. */
     assert_true(iso_bench_skipping_bound(&dense, seconds(&dense), &unlike, seconds(&unlike)) < 0.7 * bound);
 }
 
-static void visible_samples_cost_no_less_than_hidden_ones(void **state)
+TEST(visible_samples_cost_no_less_than_hidden_ones)
 {
     const bench_samples dense = {1000, 900}, sparse = {1200, 60};
-    (void)state;
     assert_true(fabs(iso_bench_skipping_bound(&dense, 900, &sparse, 1200) - 1200.0 / 60) < 1e-9);
 }
 
-static void without_visible_samples_there_is_no_bound(void **state)
+TEST(without_visible_samples_there_is_no_bound)
 {
     const bench_samples dense = {1000, 900}, none = {1200, 0};
-    (void)state;
     assert_true(isnan(iso_bench_skipping_bound(&dense, 900, &none, 1200)));
     assert_true(isnan(iso_bench_skipping_bound(&dense, 900, &dense, 900)));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples_in_a_slab_show_something),
-        cmocka_unit_test(known_costs_give_their_bound),
-        cmocka_unit_test(visible_samples_cost_no_less_than_hidden_ones),
-        cmocka_unit_test(without_visible_samples_there_is_no_bound),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -48,9 +48,8 @@ static size_t count_out_of_order(const iso_chart_case *cases, size_t count)
     return wrong;
 }
 
-static void usual_settings_come_first_and_cheap_ones_before_others(void **state)
+TEST(usual_settings_come_first_and_cheap_ones_before_others)
 {
-    (void)state;
     grid g = make(&(iso_chart_words){.with = NULL}, true);
     const size_t usual = g.pyramid.level_count * 5; /* the steps that are powers of two and at most 2 */
     for (size_t i = 0; i < g.count; ++i) {
@@ -71,9 +70,8 @@ static int by_name(const void *a, const void *b)
     return strcmp(a, b);
 }
 
-static void every_axis_has_each_of_its_values_and_no_setting_comes_twice(void **state)
+TEST(every_axis_has_each_of_its_values_and_no_setting_comes_twice)
 {
-    (void)state;
     grid g = make(&(iso_chart_words){.with = "gl,reference,povray,cycles"}, true);
     size_t renderers = 0, sources = 0, transfer_functions = 0, filters = 0, estimators = 0, codes = 0, plans = 0,
            preintegrated = 0;
@@ -109,9 +107,8 @@ static void every_axis_has_each_of_its_values_and_no_setting_comes_twice(void **
     release(&g);
 }
 
-static void a_pyramid_on_disk_is_what_it_is(void **state)
+TEST(a_pyramid_on_disk_is_what_it_is)
 {
-    (void)state;
     grid g = make(&(iso_chart_words){.with = "gl"}, false);
     for (size_t i = 0; i < g.count; ++i) {
         const iso_chart_case *c = &g.cases[i];
@@ -124,22 +121,12 @@ static void a_pyramid_on_disk_is_what_it_is(void **state)
     release(&g);
 }
 
-static void other_programs_alone_are_equals(void **state)
+TEST(other_programs_alone_are_equals)
 {
-    (void)state;
     grid g = make(&(iso_chart_words){.with = "povray,cycles"}, true);
     for (size_t i = 0; i < g.count; ++i)
         assert_int_equal(g.cases[i].turn == 0, i < (size_t)2 * g.pyramid.level_count * 5);
     release(&g);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(usual_settings_come_first_and_cheap_ones_before_others),
-        cmocka_unit_test(every_axis_has_each_of_its_values_and_no_setting_comes_twice),
-        cmocka_unit_test(a_pyramid_on_disk_is_what_it_is),
-        cmocka_unit_test(other_programs_alone_are_equals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -113,9 +113,8 @@ static grid make(size_t scenes)
 }
 
 /* A budget of 40 of the grid's frames of 4000 finds at least 10 points of the front; those of the list do not. */
-static void a_small_budget_has_the_front(void **state)
+TEST(a_small_budget_has_the_front)
 {
-    (void)state;
     grid g = make(1);
     double all = 0;
     for (size_t i = 0; i < g.count; ++i)
@@ -133,9 +132,8 @@ static void a_small_budget_has_the_front(void **state)
 }
 
 /* Level 2 is at its floor from a step of a voxel on: its finer steps come after all that matters, but they do come. */
-static void what_cannot_matter_comes_last_and_everything_comes_once(void **state)
+TEST(what_cannot_matter_comes_last_and_everything_comes_once)
 {
-    (void)state;
     grid g = make(2);
     const iso_chart_outlook outlook = {made_error, made_seconds, always, NULL};
     fake_clock clock = {0, INFINITY};
@@ -157,9 +155,8 @@ static void what_cannot_matter_comes_last_and_everything_comes_once(void **state
 }
 
 /* Each setting stands there for every scene, one after the other, so that no scene waits for another. */
-static void scenes_take_turns(void **state)
+TEST(scenes_take_turns)
 {
-    (void)state;
     grid g = make(3);
     for (size_t i = 0; i < g.count; ++i) {
         assert_int_equal(g.cases[i].scene, i % 3);
@@ -169,12 +166,4 @@ static void scenes_take_turns(void **state)
     iso_chart_cases_free(g.cases, g.count);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_small_budget_has_the_front),
-        cmocka_unit_test(what_cannot_matter_comes_last_and_everything_comes_once),
-        cmocka_unit_test(scenes_take_turns),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -72,9 +72,8 @@ static double max_difference(const iso_image *a, const iso_image *b)
 /* As in test_raycaster.c: floats; the cut is where the segments are clipped. */
 #define MAX_ABS 2e-5
 
-static void cut_images_agree_with_the_reference_and_with_no_other_plane(void **state)
+TEST(cut_images_agree_with_the_reference_and_with_no_other_plane)
 {
-    (void)state;
     scene s;
     make_scene(&s);
     const iso_level *level = &s.pyramid.levels[0];
@@ -104,9 +103,8 @@ static void cut_images_agree_with_the_reference_and_with_no_other_plane(void **s
     destroy_scene(&s);
 }
 
-static void bricks_behind_the_planes_are_left_out_and_change_nothing(void **state)
+TEST(bricks_behind_the_planes_are_left_out_and_change_nothing)
 {
-    (void)state;
     scene s;
     make_scene(&s);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
@@ -139,9 +137,8 @@ static void bricks_behind_the_planes_are_left_out_and_change_nothing(void **stat
     destroy_scene(&s);
 }
 
-static void a_slab_cut_at_an_angle_has_its_closed_form(void **state)
+TEST(a_slab_cut_at_an_angle_has_its_closed_form)
 {
-    (void)state;
     enum { n = 8 };
     float scalar[n * n * n], entries[8] = {1, 1, 1, 0.3f, 1, 1, 1, 0.3f};
     uint8_t codes[3 * n * n * n] = {0};
@@ -176,9 +173,8 @@ static void a_slab_cut_at_an_angle_has_its_closed_form(void **state)
     iso_image_destroy(&images[1]);
 }
 
-static void planes_that_leave_nothing_of_a_box_are_told(void **state)
+TEST(planes_that_leave_nothing_of_a_box_are_told)
 {
-    (void)state;
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){4, 4, 4}, (double[]){2, 1, 1}); /* x from -4 to 4 mm */
     const iso_view view = {.clip_count = 1, .clips = {{.normal = {1, 0, 0}, .offset_mm = 1}}};
     const double lo[3] = {0, 0, 0}, below[3] = {2.4, 4, 4}, above[3] = {2.6, 4, 4};
@@ -186,13 +182,4 @@ static void planes_that_leave_nothing_of_a_box_are_told(void **state)
     assert_true(iso_view_keeps(&view, &g, lo, above));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cut_images_agree_with_the_reference_and_with_no_other_plane),
-        cmocka_unit_test(bricks_behind_the_planes_are_left_out_and_change_nothing),
-        cmocka_unit_test(a_slab_cut_at_an_angle_has_its_closed_form),
-        cmocka_unit_test(planes_that_leave_nothing_of_a_box_are_told),
-    };
-    return cmocka_run_group_tests(tests, open_gl, close_gl);
-}
+TEST_MAIN(open_gl, close_gl)

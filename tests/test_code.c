@@ -29,10 +29,10 @@ static inline vec3f make_vec3f(double x, double y, double z)
 
 static const double degree = 0.017453292519943295;
 
-static uint64_t state = 20170613; /* the seed of every random test here */
+static uint64_t random_state = 20170613; /* the seed of every random test here */
 static double uniform(void)
 {
-    return iso_xorshift_unit(&state);
+    return iso_xorshift_unit(&random_state);
 }
 
 static iso_vec3 random_direction(void)
@@ -66,9 +66,8 @@ static double max_error_deg(iso_code code, int count)
     return worst;
 }
 
-static void every_code_has_a_name_that_leads_back(void **unused)
+TEST(every_code_has_a_name_that_leads_back)
 {
-    (void)unused;
     for (int i = 0; i < ISO_CODE_COUNT; ++i) {
         iso_code found;
         assert_ok(iso_code_from_name(iso_code_describe(i)->name, &found, &err));
@@ -78,27 +77,24 @@ static void every_code_has_a_name_that_leads_back(void **unused)
     assert_status(iso_code_from_name("morse", &found, &err), ISO_E_USAGE);
 }
 
-static void region48_stays_within_the_papers_hole(void **unused)
+TEST(region48_stays_within_the_papers_hole)
 {
-    (void)unused;
     /* The supremum of the nearest direction's angle is 0.17303 (Table 1); 1e-5 for single precision. */
     assert_at_most(max_error_deg(ISO_CODE_REGION48, 20000), 0.17304);
     /* and the bound is not idle: random directions come near it. */
     assert_more_than(max_error_deg(ISO_CODE_REGION48, 20000), 0.14);
 }
 
-static void snorm_rounding_stays_within_half_a_step(void **unused)
+TEST(snorm_rounding_stays_within_half_a_step)
 {
-    (void)unused;
     /* Half a step in each of three components: asin(sqrt(3) / 254) = 0.3907 degrees. */
     double worst = max_error_deg(ISO_CODE_SNORM, 100000);
     assert_at_most(worst, 0.3907);
     assert_more_than(worst, 0.3);
 }
 
-static void zero_is_kept_exactly(void **unused)
+TEST(zero_is_kept_exactly)
 {
-    (void)unused;
     for (int i = 0; i < ISO_CODE_COUNT; ++i) {
         iso_vec3 d = round_trip(i, iso_v3(0, 0, 0));
         assert_true(d.x == 0 && d.y == 0 && d.z == 0);
@@ -115,9 +111,8 @@ static void zero_is_kept_exactly(void **unused)
 
 /* "Undefined" has a code of its own: what every code makes of zero stays apart from what it makes of directions, the
  * poles of the octahedral map and the middle of the lattices included. */
-static void no_direction_is_stored_as_undefined(void **unused)
+TEST(no_direction_is_stored_as_undefined)
 {
-    (void)unused;
     for (int code = 0; code < ISO_CODE_COUNT; ++code) {
         const size_t size = iso_code_describe(code)->bytes;
         uint8_t undefined[8], bytes[8];
@@ -136,16 +131,14 @@ static void no_direction_is_stored_as_undefined(void **unused)
     }
 }
 
-static void defined_directions_have_full_length_in_region48(void **unused)
+TEST(defined_directions_have_full_length_in_region48)
 {
-    (void)unused;
     for (int i = 0; i < 5000; ++i) /* 1e-6: single precision */
         assert_within(iso_norm(round_trip(ISO_CODE_REGION48, random_direction())), 1, 1e-6);
 }
 
-static void snorm_keeps_the_length(void **unused)
+TEST(snorm_keeps_the_length)
 {
-    (void)unused;
     for (int i = 0; i < 5000; ++i) {
         double length = uniform();
         iso_vec3 d = round_trip(ISO_CODE_SNORM, iso_scale(random_direction(), length));
@@ -160,9 +153,8 @@ static const double limits_deg[ISO_CODE_COUNT] = {
     [ISO_CODE_OCT24] = 0.0397,   [ISO_CODE_HALF] = 0.0243,
 };
 
-static void every_code_stays_within_its_largest_error(void **unused)
+TEST(every_code_stays_within_its_largest_error)
 {
-    (void)unused;
     for (int code = 0; code < ISO_CODE_COUNT; ++code) {
         double worst = max_error_deg(code, 100000);
         assert_at_most(worst, limits_deg[code]);
@@ -171,9 +163,8 @@ static void every_code_stays_within_its_largest_error(void **unused)
 }
 
 /* One direction and its 48 images under permutations and signs. */
-static void all_48_regions_are_alike(void **unused)
+TEST(all_48_regions_are_alike)
 {
-    (void)unused;
     static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     for (int code = 0; code < ISO_CODE_OCT24; ++code) /* the octahedral map's lattice has fewer symmetries */
         for (int i = 0; i < 20; ++i) {
@@ -198,9 +189,8 @@ static void all_48_regions_are_alike(void **unused)
         }
 }
 
-static void axes_and_diagonals_are_encoded(void **unused)
+TEST(axes_and_diagonals_are_encoded)
 {
-    (void)unused;
     for (int code = 0; code < ISO_CODE_COUNT; ++code)
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y)
@@ -212,9 +202,8 @@ static void axes_and_diagonals_are_encoded(void **unused)
 }
 
 /* The text that shaders get, compiled in single precision, against the double one. */
-static void the_decoder_in_float_agrees_with_double(void **unused)
+TEST(the_decoder_in_float_agrees_with_double)
 {
-    (void)unused;
     for (int code = 0; code < ISO_CODE_COUNT; ++code)
         for (int i = 0; i < 20000; ++i) {
             vec3f e = make_vec3f(2 * uniform() - 1, 2 * uniform() - 1, 2 * uniform() - 1);
@@ -255,9 +244,8 @@ static void fill_random(float *directions, size_t count)
     }
 }
 
-static void fast_searches_are_as_good_as_the_exact_ones(void **unused)
+TEST(fast_searches_are_as_good_as_the_exact_ones)
 {
-    (void)unused;
     enum { COUNT = 5000 };
     static float in[3 * COUNT];
     fill_random(in, COUNT);
@@ -272,9 +260,8 @@ static void fast_searches_are_as_good_as_the_exact_ones(void **unused)
     assert_more_than(mean_error_deg(iso_encode_snorm, ISO_CODE_SNORM, in, COUNT), 1.5 * fit_exact);
 }
 
-static void encoders_with_and_without_avx2_give_the_same_bytes(void **unused)
+TEST(encoders_with_and_without_avx2_give_the_same_bytes)
 {
-    (void)unused;
     enum { COUNT = 4099 }; /* not a multiple of a block */
     static float in[3 * COUNT];
     static uint8_t fast[6 * COUNT], baseline[6 * COUNT];
@@ -296,9 +283,8 @@ static void encoders_with_and_without_avx2_give_the_same_bytes(void **unused)
 #undef SAME_BYTES
 }
 
-static void short_counts_touch_nothing_behind_them(void **unused)
+TEST(short_counts_touch_nothing_behind_them)
 {
-    (void)unused;
     float in[3 * 20];
     fill_random(in, 20);
     for (int code = 0; code < ISO_CODE_COUNT; ++code)
@@ -311,9 +297,8 @@ static void short_counts_touch_nothing_behind_them(void **unused)
         }
 }
 
-static void lengths_are_kept_by_the_codes_that_say_so(void **unused)
+TEST(lengths_are_kept_by_the_codes_that_say_so)
 {
-    (void)unused;
     for (int code = 0; code < ISO_CODE_COUNT; ++code)
         for (int i = 0; i < 2000; ++i) {
             double length = uniform(), got = iso_norm(round_trip(code, iso_scale(random_direction(), length)));
@@ -334,9 +319,8 @@ static iso_vec3 decode_ranked(iso_code code, double y, double z)
 
 /* Monotone in the paper's sense: small triangles of cube-dots keep their
  * orientation; and the edges of the 48 regions stay where they are. */
-static void the_warping_decoder_does_not_fold(void **unused)
+TEST(the_warping_decoder_does_not_fold)
 {
-    (void)unused;
     enum { STEPS = 600 };
     const double h = 1.0 / STEPS;
     const iso_code code = ISO_CODE_REGION48;
@@ -354,9 +338,8 @@ static void the_warping_decoder_does_not_fold(void **unused)
     }
 }
 
-static void holes_are_those_that_are_published(void **unused)
+TEST(holes_are_those_that_are_published)
 {
-    (void)unused;
     static const struct {
         iso_code code;
         double hole_deg, tolerance_deg;
@@ -385,9 +368,8 @@ static void holes_are_those_that_are_published(void **unused)
     assert_status(iso_hole_measure(&outside, 0, 1e-3, &best, &err), ISO_E_RANGE);
 }
 
-static void a_hole_of_few_directions_has_its_closed_form(void **unused)
+TEST(a_hole_of_few_directions_has_its_closed_form)
 {
-    (void)unused;
     /* The six axes: farthest from all is the diagonal. */
     iso_vec3 axis = {1, 0, 0};
     iso_hole hole;
@@ -395,9 +377,8 @@ static void a_hole_of_few_directions_has_its_closed_form(void **unused)
     assert_within(hole.radius_deg, acos(1 / sqrt(3)) / degree, 1.1e-5);
 }
 
-static void the_default_code_keeps_its_promises_between_voxels(void **unused)
+TEST(the_default_code_keeps_its_promises_between_voxels)
 {
-    (void)unused;
     iso_code_error_options opt = iso_code_error_defaults();
     iso_code_error fit, snorm, at_voxels;
     const iso_scheme fit_scheme = {"fit", ISO_CODE_FIT, NULL, NULL},
@@ -415,9 +396,8 @@ static void the_default_code_keeps_its_promises_between_voxels(void **unused)
     assert_status(iso_code_error_measure(&fit_scheme, &opt, &fit, &err), ISO_E_RANGE);
 }
 
-static void the_papers_table_finds_what_the_exact_search_finds(void **unused)
+TEST(the_papers_table_finds_what_the_exact_search_finds)
 {
-    (void)unused;
     enum { COUNT = 2000 };
     static float in[3 * COUNT];
     fill_random(in, COUNT);
@@ -438,9 +418,8 @@ static void the_papers_table_finds_what_the_exact_search_finds(void **unused)
     assert_status(iso_paper_table_create(1, &table, &err), ISO_E_RANGE);
 }
 
-static void the_normal_fades_below_one_code_step_only(void **unused)
+TEST(the_normal_fades_below_one_code_step_only)
 {
-    (void)unused;
     double n[3];
     iso_code_normal((double[3]){0, 1, 0}, n);
     assert_within(n[1], 1, 4e-5); /* eps^2 / 2 = 3.1e-5 */
@@ -450,30 +429,4 @@ static void the_normal_fades_below_one_code_step_only(void **unused)
     assert_within(n[0], sqrt(0.5), 1e-12);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_code_has_a_name_that_leads_back),
-        cmocka_unit_test(region48_stays_within_the_papers_hole),
-        cmocka_unit_test(snorm_rounding_stays_within_half_a_step),
-        cmocka_unit_test(every_code_stays_within_its_largest_error),
-        cmocka_unit_test(zero_is_kept_exactly),
-        cmocka_unit_test(no_direction_is_stored_as_undefined),
-        cmocka_unit_test(defined_directions_have_full_length_in_region48),
-        cmocka_unit_test(snorm_keeps_the_length),
-        cmocka_unit_test(all_48_regions_are_alike),
-        cmocka_unit_test(axes_and_diagonals_are_encoded),
-        cmocka_unit_test(the_decoder_in_float_agrees_with_double),
-        cmocka_unit_test(fast_searches_are_as_good_as_the_exact_ones),
-        cmocka_unit_test(encoders_with_and_without_avx2_give_the_same_bytes),
-        cmocka_unit_test(short_counts_touch_nothing_behind_them),
-        cmocka_unit_test(lengths_are_kept_by_the_codes_that_say_so),
-        cmocka_unit_test(the_warping_decoder_does_not_fold),
-        cmocka_unit_test(holes_are_those_that_are_published),
-        cmocka_unit_test(a_hole_of_few_directions_has_its_closed_form),
-        cmocka_unit_test(the_default_code_keeps_its_promises_between_voxels),
-        cmocka_unit_test(the_papers_table_finds_what_the_exact_search_finds),
-        cmocka_unit_test(the_normal_fades_below_one_code_step_only),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

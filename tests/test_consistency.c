@@ -100,9 +100,8 @@ static double measure_by_hand(subject *s, size_t level, const iso_tf_table *tabl
     return sum;
 }
 
-static void every_method_has_a_row_under_either_tf_at_every_level(void **state)
+TEST(every_method_has_a_row_under_either_tf_at_every_level)
 {
-    (void)state;
     subject s;
     open_subject(&s, ISO_FIELD_SHELLS, "rows");
     measure_levels(&s);
@@ -129,9 +128,8 @@ static void every_method_has_a_row_under_either_tf_at_every_level(void **state)
 /* The same images once more: only the sum's order could differ. */
 static const double rounding = 1e-12;
 
-static void a_row_is_of_its_own_level_and_tf(void **state)
+VALUES_TEST(a_row_is_of_its_own_level_and_tf)
 {
-    (void)state;
     subject s;
     open_subject(&s, ISO_FIELD_SHELLS, "own");
     measure_levels(&s);
@@ -153,9 +151,8 @@ static void a_row_is_of_its_own_level_and_tf(void **state)
 }
 
 /* Planted: levels that exchange their TFs lose what adapting had gained at one of them. */
-static void exchanged_tfs_are_seen_in_the_rows(void **state)
+VALUES_TEST(exchanged_tfs_are_seen_in_the_rows)
 {
-    (void)state;
     subject right, wrong;
     open_subject(&right, ISO_FIELD_SHELLS, "right");
     open_subject(&wrong, ISO_FIELD_SHELLS, "wrong");
@@ -175,9 +172,8 @@ static void exchanged_tfs_are_seen_in_the_rows(void **state)
 }
 
 /* No table can be nearer to voxels that are all alike. */
-static void a_refused_adaptation_is_reported_with_the_originals_figures(void **state)
+TEST(a_refused_adaptation_is_reported_with_the_originals_figures)
 {
-    (void)state;
     subject s;
     open_subject(&s, ISO_FIELD_CONSTANT, "kept");
     measure_levels(&s);
@@ -212,9 +208,8 @@ static const json_t *verdict_of(const subject *s, size_t level, const char **ver
     return json_object_get(row, "extinction_scale");
 }
 
-static void levels_are_judged_with_their_extinction_scales(void **state)
+TEST(levels_are_judged_with_their_extinction_scales)
 {
-    (void)state;
     subject s;
     const char *verdict;
     iso_levels_summary all;
@@ -235,9 +230,8 @@ static void levels_are_judged_with_their_extinction_scales(void **state)
 }
 
 /* Planted: level 1 is handed over with the bytes of level 2, each for the eight voxels that it is the mean of. */
-static void the_scale_of_another_level_is_rejected(void **state)
+TEST(the_scale_of_another_level_is_rejected)
 {
-    (void)state;
     subject s;
     const char *verdict;
     iso_levels_summary all;
@@ -277,9 +271,8 @@ static iso_status pass_over_scale(const void *user, const iso_render_request *re
 }
 
 /* Planted: the renderer passes the bytes over. */
-static void a_scale_that_is_not_used_is_rejected(void **state)
+TEST(a_scale_that_is_not_used_is_rejected)
 {
-    (void)state;
     subject s;
     const char *verdict;
     iso_levels_summary all;
@@ -348,9 +341,8 @@ static const json_t *levels_of(const subject *s)
     return json_object_get(iso_report_json(s->validation.report), "levels");
 }
 
-static void a_budget_ends_between_two_views(void **state)
+TEST(a_budget_ends_between_two_views)
 {
-    (void)state;
     subject s;
     assert_int_equal(measure_within(&s, "one view", 1, false), 1);
     assert_int_equal(json_array_size(rows_of(&s)), 0);
@@ -364,9 +356,8 @@ static void a_budget_ends_between_two_views(void **state)
 }
 
 /* With all that the verdict needs it is given; otherwise it names the missing part. */
-static void a_budget_leaves_out_bounds_and_more_views(void **state)
+TEST(a_budget_leaves_out_bounds_and_more_views)
 {
-    (void)state;
     subject s;
     const size_t all = measure_within(&s, "all", SIZE_MAX, false);
     assert_int_equal(json_array_size(levels_of(&s)), levels - 1);
@@ -388,18 +379,4 @@ static void a_budget_leaves_out_bounds_and_more_views(void **state)
 }
 
 /* What was reported: each stage by its first report, and how often the verdict said how far it is. */
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_method_has_a_row_under_either_tf_at_every_level),
-        cmocka_values_test(a_row_is_of_its_own_level_and_tf),
-        cmocka_values_test(exchanged_tfs_are_seen_in_the_rows),
-        cmocka_unit_test(a_refused_adaptation_is_reported_with_the_originals_figures),
-        cmocka_unit_test(levels_are_judged_with_their_extinction_scales),
-        cmocka_unit_test(the_scale_of_another_level_is_rejected),
-        cmocka_unit_test(a_scale_that_is_not_used_is_rejected),
-        cmocka_unit_test(a_budget_ends_between_two_views),
-        cmocka_unit_test(a_budget_leaves_out_bounds_and_more_views),
-    };
-    return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
-}
+TEST_MAIN(make_folder, end_renderers_and_folder)

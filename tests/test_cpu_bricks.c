@@ -70,9 +70,8 @@ static void expect_the_reference(const iso_brick_field *f, const iso_view *view,
     iso_image_destroy(&image);
 }
 
-static void random_levels_agree_with_the_reference(void **state)
+VALUES_TEST(random_levels_agree_with_the_reference)
 {
-    (void)state;
     static const iso_field_kind kinds[] = {ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_SPHERE};
     for (size_t k = 0; k < 2; ++k) {
         brick_scene s;
@@ -85,9 +84,8 @@ static void random_levels_agree_with_the_reference(void **state)
     }
 }
 
-static void a_brick_of_another_level_is_seen(void **state)
+TEST(a_brick_of_another_level_is_seen)
 {
-    (void)state;
     brick_scene s;
     double rmse;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
@@ -103,9 +101,8 @@ static void a_brick_of_another_level_is_seen(void **state)
     destroy_brick_scene(&s);
 }
 
-static void views_may_be_cut_orthographic_unlit_or_from_inside(void **state)
+TEST(views_may_be_cut_orthographic_unlit_or_from_inside)
 {
-    (void)state;
     brick_scene s;
     make_brick_scene(&s, ISO_FIELD_SPHERE);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
@@ -129,11 +126,10 @@ static void views_may_be_cut_orthographic_unlit_or_from_inside(void **state)
 }
 
 /* Planes along the grid that keep .7 voxels of the bricks on a face's other side, which are not left out for that. */
-static void bricks_of_which_a_sliver_is_kept_are_drawn(void **state)
+TEST(bricks_of_which_a_sliver_is_kept_are_drawn)
 {
     static const iso_vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const iso_vec3 face = {2 * 8 + 0.5, 3 * 8 + 0.5, 2 * 8 + 0.5};
-    (void)state;
     brick_scene s;
     make_brick_scene(&s, ISO_FIELD_SPHERE);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
@@ -149,9 +145,8 @@ static void bricks_of_which_a_sliver_is_kept_are_drawn(void **state)
 }
 
 /* 16 bits: half a step of 1/65535 a value through a transfer function whose slope is 30 and more. */
-static void nodes_of_16_bits_are_close(void **state)
+TEST(nodes_of_16_bits_are_close)
 {
-    (void)state;
     brick_scene s;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
@@ -173,9 +168,8 @@ static void nodes_of_16_bits_are_close(void **state)
     destroy_brick_scene(&s);
 }
 
-static void bricks_that_are_not_wanted_are_left_out(void **state)
+TEST(bricks_that_are_not_wanted_are_left_out)
 {
-    (void)state;
     brick_scene s;
     uint8_t wanted[sizeof s.levels] = {0};
     make_brick_scene(&s, ISO_FIELD_SPHERE);
@@ -201,9 +195,8 @@ static void bricks_that_are_not_wanted_are_left_out(void **state)
 }
 
 /* Bricks of each size, of volumes that are a node thin, and as fine as the volume. */
-static void sizes_may_be_odd(void **state)
+TEST(sizes_may_be_odd)
 {
-    (void)state;
     static const struct {
         size_t size[3], brick_voxels, level_count;
     } of[] = {{{9, 1, 13}, 2, 2}, {{1, 2, 5}, 4, 3}, {{33, 18, 3}, 16, 5}, {{20, 7, 11}, 64, 7}, {{17, 17, 17}, 4, 1}};
@@ -241,9 +234,8 @@ static void sizes_may_be_odd(void **state)
     destroy_brick_scene(&s);
 }
 
-static void what_it_lacks_is_refused(void **state)
+TEST(what_it_lacks_is_refused)
 {
-    (void)state;
     brick_scene s;
     iso_image image;
     make_brick_scene(&s, ISO_FIELD_SPHERE);
@@ -257,17 +249,4 @@ static void what_it_lacks_is_refused(void **state)
     destroy_brick_scene(&s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_values_test(random_levels_agree_with_the_reference),
-        cmocka_unit_test(a_brick_of_another_level_is_seen),
-        cmocka_unit_test(views_may_be_cut_orthographic_unlit_or_from_inside),
-        cmocka_unit_test(bricks_of_which_a_sliver_is_kept_are_drawn),
-        cmocka_unit_test(nodes_of_16_bits_are_close),
-        cmocka_unit_test(bricks_that_are_not_wanted_are_left_out),
-        cmocka_unit_test(sizes_may_be_odd),
-        cmocka_unit_test(what_it_lacks_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -135,7 +135,7 @@ static void expect_picture(const iso_pyramid *p, const iso_view *view, iso_direc
     iso_image_destroy(&truth);
 }
 
-static void it_has_the_samples_of_the_reference(void **state)
+TEST(it_has_the_samples_of_the_reference)
 {
     static const volume_case volumes[] = {{ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false},
                                           {ISO_I16, ISO_CODE_FREE, {16, 15, 33}, false},
@@ -143,7 +143,6 @@ static void it_has_the_samples_of_the_reference(void **state)
                                           {ISO_U16, ISO_CODE_CUBE, {1, 2, 31}, false}};
     static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_DECODED, ISO_FROM_FLOAT, ISO_FROM_FLIPPED,
                                                    ISO_FROM_ON_THE_FLY};
-    (void)state;
     for (size_t v = 0; v < sizeof volumes / sizeof *volumes; ++v) {
         iso_pyramid p = make_pyramid(&volumes[v]);
         for (size_t s = 0; s < sizeof sources / sizeof *sources; ++s) {
@@ -158,13 +157,12 @@ static void it_has_the_samples_of_the_reference(void **state)
     }
 }
 
-static void it_has_clip_planes_cameras_inside_and_any_step(void **state)
+TEST(it_has_clip_planes_cameras_inside_and_any_step)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
     iso_pyramid p = make_pyramid(&of);
     iso_view view = make_view(&p, false);
     const iso_vec3 middle = iso_geometry_box_center_mm(&p.levels[0].geometry);
-    (void)state;
     view.clip_count = 2;
     view.clips[0].normal = iso_normalize(iso_v3(1, 0.4, -0.2));
     view.clips[0].offset_mm = iso_dot(view.clips[0].normal, middle) - 2;
@@ -199,12 +197,11 @@ static void look_along_z(iso_pyramid *p, iso_view *view, double tilt)
     view->camera.position = iso_sub(middle, iso_v3(0, 0, 40));
 }
 
-static void rays_on_faces_of_cells_miss_nothing(void **state)
+TEST(rays_on_faces_of_cells_miss_nothing)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
     iso_pyramid p = make_pyramid(&of);
     iso_view view = make_view(&p, true);
-    (void)state;
     look_along_z(&p, &view, 0);
     expect_picture(&p, &view, ISO_FROM_CODES, "on faces of cells");
     expect_picture(&p, &view, ISO_FROM_ON_THE_FLY, "on faces of cells, on the fly");
@@ -214,14 +211,13 @@ static void rays_on_faces_of_cells_miss_nothing(void **state)
 
 /* Next to a face behind which all is empty, so near that a float is on the other side: 301 - 1.2e-5 is 301. What is
  * empty is so by five thousandths of the table's entry, and the rays' samples are seven into the next one. */
-static void rays_next_to_what_is_empty_miss_nothing(void **state)
+TEST(rays_next_to_what_is_empty_miss_nothing)
 {
     const volume_case of = {ISO_F32, ISO_CODE_FIT, {600, 5, 4}, false};
     iso_pyramid p = make_pyramid(&of);
     iso_view view = make_view(&p, true);
     const iso_tf_table *tf = &view.tf;
     size_t last = 0; /* entry before the first one that shows */
-    (void)state;
     while (!(tf->entries[4 * (last + 1) + 3] > 0))
         ++last;
     const double entry = (tf->hi - tf->lo) / (double)(tf->count - 1);
@@ -236,12 +232,11 @@ static void rays_next_to_what_is_empty_miss_nothing(void **state)
 
 /* A camera's axes are sines and cosines: one that should be 0 is 1e-17. Below 0, that was a step of a whole voxel in
  * numbers of 32 bits before and 32 bits behind the point. */
-static void a_direction_just_below_zero_is_next_to_zero(void **state)
+TEST(a_direction_just_below_zero_is_next_to_zero)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
     iso_pyramid p = make_pyramid(&of);
     iso_view view = make_view(&p, true);
-    (void)state;
     look_along_z(&p, &view, -1e-17);
     view.camera.position.x += 0.1; /* off the faces of cells */
     expect_picture(&p, &view, ISO_FROM_CODES, "a direction just below 0");
@@ -251,13 +246,12 @@ static void a_direction_just_below_zero_is_next_to_zero(void **state)
 
 /* The box cuts the first and the last segment, and the middle of what is left is moved along the ray: by next to
  * nothing across it. Next to nothing below 0 was a whole voxel. */
-static void what_the_box_cuts_moves_nothing_across_the_ray(void **state)
+TEST(what_the_box_cuts_moves_nothing_across_the_ray)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
     static const double tilts[] = {-1e-17, 1e-17, -1e-9, 1e-9};
     iso_pyramid p = make_pyramid(&of);
     iso_view view = make_view(&p, true);
-    (void)state;
     for (size_t i = 0; i < sizeof tilts / sizeof *tilts; ++i) {
         look_along_z(&p, &view, tilts[i]);
         view.camera.position = iso_add(view.camera.position, iso_v3(0.1, 0, 0.17)); /* off the faces of cells */
@@ -267,12 +261,11 @@ static void what_the_box_cuts_moves_nothing_across_the_ray(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void it_has_labels(void **state)
+TEST(it_has_labels)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, true};
     iso_pyramid p = make_pyramid(&of);
     iso_view view = make_view(&p, false);
-    (void)state;
     for (size_t i = 0; i < 22 * 27 * 17; ++i)
         p.levels[0].scalar[i] = (float)(16 * (int)(p.levels[0].scalar[i] / 16)); /* values between labels would show */
     p.levels[0].min = 16 * floor(p.levels[0].min / 16);
@@ -283,7 +276,7 @@ static void it_has_labels(void **state)
 }
 
 /* A second value that follows its own wave, and an extinction scale that follows another. */
-static void it_has_2d_transfer_functions_and_extinction_scales(void **state)
+TEST(it_has_2d_transfer_functions_and_extinction_scales)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
     iso_pyramid p = make_pyramid(&of);
@@ -291,7 +284,6 @@ static void it_has_2d_transfer_functions_and_extinction_scales(void **state)
     const size_t count = 22 * 27 * 17;
     iso_tf_2d *tf = calloc(1, sizeof *tf);
     uint8_t *bytes = malloc(count), *scale = malloc(count);
-    (void)state;
     assert_non_null(tf);
     assert_non_null(bytes);
     assert_non_null(scale);
@@ -317,7 +309,7 @@ static void it_has_2d_transfer_functions_and_extinction_scales(void **state)
 
 /* Planted: a volume that stands a thousandth of a voxel off, and a step that is a thousandth longer, are far beyond the
  * limits that validation holds the renderer to. */
-static void what_is_a_little_wrong_is_beyond_the_limits(void **state)
+TEST(what_is_a_little_wrong_is_beyond_the_limits)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
     iso_pyramid p = make_pyramid(&of);
@@ -325,7 +317,6 @@ static void what_is_a_little_wrong_is_beyond_the_limits(void **state)
     iso_cpu_options opt = iso_cpu_defaults();
     iso_image image = draw(&p, &view, opt);
     const iso_vec3 origin = p.levels[0].geometry.origin_mm;
-    (void)state;
     p.levels[0].geometry.origin_mm = iso_add(origin, iso_v3(1e-3, 1e-3, 1e-3));
     iso_image shifted = draw(&p, &view, opt);
     assert_more_than(compare(&image, &shifted).max_abs, 4 * MAX_ABS);
@@ -340,14 +331,13 @@ static void what_is_a_little_wrong_is_beyond_the_limits(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void what_it_cannot_draw_is_refused(void **state)
+TEST(what_it_cannot_draw_is_refused)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {5, 6, 7}, false};
     iso_pyramid p = make_pyramid(&of);
     iso_view view = make_view(&p, false);
     iso_cpu_options opt = iso_cpu_defaults();
     iso_image image;
-    (void)state;
     opt.step_voxels = NAN;
     view.step_voxels = NAN;
     assert_status(iso_cpu_render(&p.levels[0], p.options.code, &view, &opt, &image, &err), ISO_E_RANGE);
@@ -361,19 +351,4 @@ static void what_it_cannot_draw_is_refused(void **state)
     iso_pyramid_destroy(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(it_has_the_samples_of_the_reference),
-        cmocka_unit_test(it_has_clip_planes_cameras_inside_and_any_step),
-        cmocka_unit_test(rays_on_faces_of_cells_miss_nothing),
-        cmocka_unit_test(rays_next_to_what_is_empty_miss_nothing),
-        cmocka_unit_test(a_direction_just_below_zero_is_next_to_zero),
-        cmocka_unit_test(what_the_box_cuts_moves_nothing_across_the_ray),
-        cmocka_unit_test(it_has_labels),
-        cmocka_unit_test(it_has_2d_transfer_functions_and_extinction_scales),
-        cmocka_unit_test(what_is_a_little_wrong_is_beyond_the_limits),
-        cmocka_unit_test(what_it_cannot_draw_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -84,9 +84,8 @@ static void set_number(json_t *row, const char *key, double value)
     assert_int_equal(json_object_set_new(row, key, json_real(value)), 0);
 }
 
-static void the_same_report_twice_is_no_difference(void **state)
+TEST(the_same_report_twice_is_no_difference)
 {
-    (void)state;
     json_t *d = difference_to(report(), false);
     assert_int_equal(row_count(d), 0);
     assert_int_equal(json_integer_value(json_object_get(d, "row_count")), 6);
@@ -95,9 +94,8 @@ static void the_same_report_twice_is_no_difference(void **state)
     json_decref(d);
 }
 
-static void times_dates_commands_and_folders_are_no_difference(void **state)
+TEST(times_dates_commands_and_folders_are_no_difference)
 {
-    (void)state;
     json_t *now = report();
     set_number(row_of(now, "agreement", 0), "seconds", 99);
     json_object_set_new(row_of(now, "agreement", 0), "command", json_string("isoshade render"));
@@ -108,9 +106,8 @@ static void times_dates_commands_and_folders_are_no_difference(void **state)
     expect_rows(now, 0, NULL, NULL);
 }
 
-static void a_metric_moves_by_a_hundredth_of_its_limit(void **state)
+TEST(a_metric_moves_by_a_hundredth_of_its_limit)
 {
-    (void)state;
     const char *name = "s, level 0: gl against reference";
     json_t *less = report(), *more = report(), *down = report(), *gone = report();
     set_number(row_of(less, "agreement", 0), "rmse", 1.09e-5); /* of a limit of 1e-4 */
@@ -123,17 +120,15 @@ static void a_metric_moves_by_a_hundredth_of_its_limit(void **state)
     expect_rows(gone, 1, name, "max_abs");
 }
 
-static void a_figure_without_a_limit_is_not_judged(void **state)
+TEST(a_figure_without_a_limit_is_not_judged)
 {
-    (void)state;
     json_t *now = report();
     set_number(row_of(now, "agreement", 0), "p99_abs", 0.9);
     expect_rows(now, 0, NULL, NULL);
 }
 
-static void noise_is_allowed_its_own_size(void **state)
+TEST(noise_is_allowed_its_own_size)
 {
-    (void)state;
     const double both = 1.5 * sqrt(2) * 1e-4;
     json_t *less = report(), *more = report(), *quiet = report();
     set_number(row_of(less, "agreement", 1), "rmse", 1e-3 + 0.99 * both);
@@ -146,9 +141,8 @@ static void noise_is_allowed_its_own_size(void **state)
     expect_rows(quiet, 1, "s, level 0: cycles, limit against reference", "rmse");
 }
 
-static void gates_move_by_a_part_of_their_limit(void **state)
+TEST(gates_move_by_a_part_of_their_limit)
 {
-    (void)state;
     json_t *less = report(), *more = report(), *wider = report();
     set_number(json_array_get(json_object_get(row_of(less, "agreement", 1), "gates"), 0), "value", 2.9e-3);
     expect_rows(less, 0, NULL, NULL);
@@ -158,9 +152,8 @@ static void gates_move_by_a_part_of_their_limit(void **state)
     expect_rows(wider, 1, "s, level 0: cycles, limit against reference", "limit of error bar");
 }
 
-static void a_stated_limit_may_not_move_and_an_error_bar_may(void **state)
+TEST(a_stated_limit_may_not_move_and_an_error_bar_may)
 {
-    (void)state;
     json_t *stated = report(), *bar = report(), *lifted = report();
     set_number(json_object_get(row_of(stated, "agreement", 0), "limits"), "max_abs", 1.001e-3);
     expect_rows(stated, 1, "s, level 0: gl against reference", "limit of max_abs");
@@ -170,9 +163,8 @@ static void a_stated_limit_may_not_move_and_an_error_bar_may(void **state)
     expect_rows(lifted, 1, "s, level 0: gl against reference", "limit of max_abs");
 }
 
-static void verdicts_and_their_reasons_count(void **state)
+TEST(verdicts_and_their_reasons_count)
 {
-    (void)state;
     json_t *verdict = report(), *level = report(), *held = report(), *refused = report(), *path = report(),
            *unfit = report();
     json_object_set_new(row_of(verdict, "agreement", 0), "verdict", json_string("differ"));
@@ -189,9 +181,8 @@ static void verdicts_and_their_reasons_count(void **state)
     expect_rows(unfit, 1, "calibration of gl: placement", "verdict");
 }
 
-static void other_figures_have_their_own_tolerances(void **state)
+TEST(other_figures_have_their_own_tolerances)
 {
-    (void)state;
     json_t *reports[6];
     for (int i = 0; i < 6; ++i)
         reports[i] = report();
@@ -209,9 +200,8 @@ static void other_figures_have_their_own_tolerances(void **state)
     expect_rows(reports[5], 1, "level 1", "RMSE");
 }
 
-static void rows_appear_and_disappear(void **state)
+TEST(rows_appear_and_disappear)
 {
-    (void)state;
     json_t *more = report(), *less = report(), *twin = report(), *d;
     json_t *row = json_deep_copy(row_of(more, "agreement", 0));
     json_object_set_new(row, "level", json_integer(1));
@@ -232,9 +222,8 @@ static void rows_appear_and_disappear(void **state)
     json_decref(d);
 }
 
-static void versions_and_options_count_unless_results_alone_are_asked_for(void **state)
+TEST(versions_and_options_count_unless_results_alone_are_asked_for)
 {
-    (void)state;
     for (int i = 0; i < 8; ++i) {
         json_t *now = report();
         if (i / 2 == 0)
@@ -253,9 +242,8 @@ static void versions_and_options_count_unless_results_alone_are_asked_for(void *
     }
 }
 
-static void the_worst_change_comes_first(void **state)
+TEST(the_worst_change_comes_first)
 {
-    (void)state;
     json_t *now = report();
     set_number(row_of(now, "agreement", 0), "rmse", 1);
     json_object_set_new(row_of(now, "calibration", 0), "verdict", json_string("fail"));
@@ -314,9 +302,8 @@ static size_t count_worse(json_t *then, json_t *now, double factor)
     return count;
 }
 
-static void what_is_less_certain_is_worse_and_more_is_not(void **state)
+TEST(what_is_less_certain_is_worse_and_more_is_not)
 {
-    (void)state;
     assert_int_equal(count_worse(report(), report(), 1), 0);
     for (size_t i = 0; i < sizeof planted / sizeof *planted; ++i) {
         const size_t worse = count_worse(report(), planted_report(i), 1),
@@ -331,9 +318,8 @@ static void what_is_less_certain_is_worse_and_more_is_not(void **state)
     assert_int_equal(count_worse(less, report(), 1), 0);              /* or new */
 }
 
-static void a_report_without_rows_is_not_accepted(void **state)
+TEST(a_report_without_rows_is_not_accepted)
 {
-    (void)state;
     json_t *root = report(), *kept;
     assert_ok(iso_difference_accept(root, &kept, &err));
     assert_null(json_object_get(kept, "made"));
@@ -347,9 +333,8 @@ static void a_report_without_rows_is_not_accepted(void **state)
 }
 
 /* A word that is not known must not pass for anything; nor a list with verdicts that no table has. */
-static void what_is_not_known_of_a_report_is_refused(void **state)
+TEST(what_is_not_known_of_a_report_is_refused)
 {
-    (void)state;
     static const char *const words[] = {"fine", "", "pass"}; /* the last is one of calibrations */
     iso_error why;
     json_t *root = report();
@@ -370,9 +355,8 @@ static void what_is_not_known_of_a_report_is_refused(void **state)
     json_decref(root);
 }
 
-static void other_files_are_refused(void **state)
+TEST(other_files_are_refused)
 {
-    (void)state;
     json_t *one = report(), *other = json_pack("{s:s}", "schema", "isoshade.accepted/2"), *d;
     assert_status(iso_difference_of(one, other, false, 1, &d, &err), ISO_E_FORMAT);
     assert_null(d);
@@ -380,25 +364,4 @@ static void other_files_are_refused(void **state)
     json_decref(other);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_same_report_twice_is_no_difference),
-        cmocka_unit_test(times_dates_commands_and_folders_are_no_difference),
-        cmocka_unit_test(a_metric_moves_by_a_hundredth_of_its_limit),
-        cmocka_unit_test(a_figure_without_a_limit_is_not_judged),
-        cmocka_unit_test(noise_is_allowed_its_own_size),
-        cmocka_unit_test(gates_move_by_a_part_of_their_limit),
-        cmocka_unit_test(a_stated_limit_may_not_move_and_an_error_bar_may),
-        cmocka_unit_test(verdicts_and_their_reasons_count),
-        cmocka_unit_test(other_figures_have_their_own_tolerances),
-        cmocka_unit_test(rows_appear_and_disappear),
-        cmocka_unit_test(versions_and_options_count_unless_results_alone_are_asked_for),
-        cmocka_unit_test(the_worst_change_comes_first),
-        cmocka_unit_test(what_is_less_certain_is_worse_and_more_is_not),
-        cmocka_unit_test(a_report_without_rows_is_not_accepted),
-        cmocka_unit_test(what_is_not_known_of_a_report_is_refused),
-        cmocka_unit_test(other_files_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

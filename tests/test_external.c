@@ -32,9 +32,8 @@ static iso_status load(const char *name, const char *text, iso_error *why)
 
 /* ---- what a file says wrong ---- */
 
-static void what_a_file_says_wrong_is_named(void **state)
+TEST(what_a_file_says_wrong_is_named)
 {
-    (void)state;
 #define ROW(more) "{\"schema\": \"isoshade.renderers/1\", \"renderers\": [{" more "}]}"
 #define GOOD "\"name\": \"x\", \"command\": [\"true\"], \"tier\": \"limit\""
     const struct {
@@ -89,9 +88,8 @@ static void what_a_file_says_wrong_is_named(void **state)
     assert_non_null(strstr(why.text, "/no/such/file.json"));
 }
 
-static void limits_follow_from_the_tier(void **state)
+TEST(limits_follow_from_the_tier)
 {
-    (void)state;
     const iso_renderer_info *r;
     assert_ok(
         load("tiers.json",
@@ -217,9 +215,8 @@ static void load_programs(const char *interpreter)
     free(text);
 }
 
-static void the_program_passes_and_each_fault_in_it_is_found(void **state)
+TEST(the_program_passes_and_each_fault_in_it_is_found)
 {
-    (void)state;
     const char *interpreter = python();
     const iso_renderer_info *r;
     iso_calibration c[ISO_CALIBRATION_COUNT];
@@ -242,12 +239,4 @@ static void the_program_passes_and_each_fault_in_it_is_found(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_a_file_says_wrong_is_named),
-        cmocka_unit_test(limits_follow_from_the_tier),
-        cmocka_unit_test(the_program_passes_and_each_fault_in_it_is_found),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -150,9 +150,8 @@ static double rms(const double *a, const double *b, size_t count)
 
 /* ---- the byte -------------------------------------------------------------------------- */
 
-static void bytes_are_powers_of_two(void **state)
+TEST(bytes_are_powers_of_two)
 {
-    (void)state;
     assert_true(iso_extinction_scale_of(ISO_EXTINCTION_SCALE_ONE) == 1);
     assert_within(iso_extinction_scale_of(0), 1.0 / 64, 1e-15);
     assert_within(iso_extinction_scale_of(ISO_EXTINCTION_SCALE_LAST), 8, 1e-14);
@@ -169,9 +168,8 @@ static double checkered(size_t x, size_t y, size_t z)
 /* Half of the fine voxels have opacity 1/2, and the level shows 50 everywhere, with opacity 1/2 as well. Opacity 1/4
  * needs q = log(3/4) / log(1/2). Rounds approach it from 1 by a factor of six: 0.4 % remain after three, and half a
  * byte is 1.2 %. At the grid's faces differences are one-sided, and not 0: what they reach is left out. */
-static void a_checkerboard_needs_one_number(void **state)
+TEST(a_checkerboard_needs_one_number)
 {
-    (void)state;
     iso_pyramid p = pyramid_of((const size_t[]){20, 16, 18}, checkered, 2);
     iso_tf_table tf = table_of((const double[]){0, log(2), log(2)}, 3);
     uint8_t *bytes;
@@ -194,9 +192,8 @@ static double half_filled(size_t x, size_t y, size_t z)
 
 /* A surface inside a coarse voxel: the transfer function shows from 75 on, and the level has 50 in between. Its own
  * transfer function shows less of that than there is, or more: q makes it right. */
-static void a_half_filled_voxel_becomes_as_opaque_as_its_half(void **state)
+TEST(a_half_filled_voxel_becomes_as_opaque_as_its_half)
 {
-    (void)state;
     iso_pyramid p = pyramid_of((const size_t[]){14, 8, 6}, half_filled, 2);
     iso_tf_table original = table_of((const double[]){0, 0, 0, 0.2, 0.2}, 5),
                  own = table_of((const double[]){0, 0.1, 0.2, 0.2, 0.2}, 5);
@@ -290,9 +287,8 @@ static double *three_rounds(const iso_pyramid *p, size_t level, const iso_tf_tab
 
 /* Floats against doubles, then rounded: at most a byte apart. And one byte is enough: half a step of log2 q changes
  * 1 - exp(-t) by at most ln 2 / 56 t exp(-t) <= 0.0046. No transfer function or level gets worse by its scale. */
-static void bytes_are_the_definition_rounded(void **state)
+TEST(bytes_are_the_definition_rounded)
 {
-    (void)state;
     iso_pyramid p = noise_pyramid(5, 4);
     const size_t fine = iso_geometry_voxel_count(&p.levels[0].geometry);
     for (int kind = 0; kind < 3; ++kind)
@@ -324,9 +320,8 @@ static void bytes_are_the_definition_rounded(void **state)
 
 /* ---- properties ------------------------------------------------------------------------ */
 
-static void an_edit_on_a_kept_scaler_is_a_new_scale(void **state)
+TEST(an_edit_on_a_kept_scaler_is_a_new_scale)
 {
-    (void)state;
     iso_pyramid p = noise_pyramid(8, 3);
     for (size_t level = 1; level < 3; ++level) {
         const size_t coarse = iso_geometry_voxel_count(&p.levels[level].geometry);
@@ -349,9 +344,8 @@ static void an_edit_on_a_kept_scaler_is_a_new_scale(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void threads_do_not_matter(void **state)
+TEST(threads_do_not_matter)
 {
-    (void)state;
     iso_pyramid p = noise_pyramid(6, 3);
     iso_tf_table tf = tf_of(0, &p.levels[0]);
     const size_t coarse = iso_geometry_voxel_count(&p.levels[1].geometry);
@@ -373,9 +367,8 @@ static double plane(size_t x, size_t y, size_t z)
 }
 
 /* Nothing is seen, or the level shows what the fine voxels do: then nothing is scaled. */
-static void what_is_right_is_left_alone(void **state)
+TEST(what_is_right_is_left_alone)
 {
-    (void)state;
     iso_pyramid p = pyramid_of((const size_t[]){16, 16, 16}, plane, 2);
     iso_tf_table nothing = table_of((const double[]){0, 0}, 2), haze = table_of((const double[]){0.1, 0.1}, 2);
     const iso_tf_table *tfs[] = {&nothing, &haze};
@@ -394,9 +387,8 @@ static void what_is_right_is_left_alone(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void levels_that_do_not_fit_are_refused(void **state)
+TEST(levels_that_do_not_fit_are_refused)
 {
-    (void)state;
     iso_pyramid p = noise_pyramid(7, 3);
     iso_extinction_scaler *s;
     iso_level outline = p.levels[1];
@@ -408,17 +400,4 @@ static void levels_that_do_not_fit_are_refused(void **state)
     iso_pyramid_destroy(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bytes_are_powers_of_two),
-        cmocka_unit_test(a_checkerboard_needs_one_number),
-        cmocka_unit_test(a_half_filled_voxel_becomes_as_opaque_as_its_half),
-        cmocka_unit_test(bytes_are_the_definition_rounded),
-        cmocka_unit_test(an_edit_on_a_kept_scaler_is_a_new_scale),
-        cmocka_unit_test(threads_do_not_matter),
-        cmocka_unit_test(what_is_right_is_left_alone),
-        cmocka_unit_test(levels_that_do_not_fit_are_refused),
-    };
-    return cmocka_run_group_tests_name("extinction scale", tests, NULL, end_renderers);
-}
+TEST_MAIN(NULL, end_renderers)

@@ -38,9 +38,8 @@ static iso_extrapolated extrapolate(double e, double n, bool alpha_alone, double
 
 static const double rounding = 1e-7; /* of floats near 1/2 */
 
-static void the_bar_is_what_the_step_leaves_times_the_factor(void **state)
+TEST(the_bar_is_what_the_step_leaves_times_the_factor)
 {
-    (void)state;
     iso_extrapolated l = extrapolate(0.01, 0, false, 2);
     assert_within(l.rmse, 0, rounding);
     assert_within(l.step_bar, 0.01, rounding);
@@ -54,9 +53,8 @@ static void the_bar_is_what_the_step_leaves_times_the_factor(void **state)
 
 /* A seed's limit is 4/3 of the fine image less 1/3 of the coarse one, so that two seeds n above and below have limits
  * 4n/3 off, which is the standard error of the mean of two. */
-static void noise_is_part_of_the_bar(void **state)
+TEST(noise_is_part_of_the_bar)
 {
-    (void)state;
     iso_extrapolated l = extrapolate(0.01, 0.03, false, 2);
     assert_within(l.noise_bar, 0.04, 3 * rounding);
     assert_within(l.bar, 2 * hypot(0.01, 0.04), 6 * rounding);
@@ -67,9 +65,8 @@ static void noise_is_part_of_the_bar(void **state)
     iso_extrapolated_destroy(&l);
 }
 
-static void what_is_no_number_has_an_infinite_bar(void **state)
+TEST(what_is_no_number_has_an_infinite_bar)
 {
-    (void)state;
     iso_extrapolated l = extrapolate(NAN, 0, false, 2);
     assert_true(isinf(l.bar) && isinf(l.allowed) && isnan(iso_extrapolated_error_left(&l)));
     assert_true(l.noise.rejected == 4 * side * side);
@@ -112,24 +109,21 @@ static iso_extrapolated_change compare_versions(iso_extrapolated a, iso_extrapol
     return change;
 }
 
-static void a_version_does_not_differ_from_itself(void **state)
+TEST(a_version_does_not_differ_from_itself)
 {
-    (void)state;
     const iso_extrapolated_change c = compare_versions(version(1, 0, 0), version(1, 0, 0));
     assert_true(c.largest == 0 && c.noise == 0 && c.test.passed);
 }
 
-static void other_noise_is_no_change(void **state)
+TEST(other_noise_is_no_change)
 {
-    (void)state;
     const iso_extrapolated_change c = compare_versions(version(1, 0, 0), version(2, 0, 0));
     assert_true(c.largest > 0 && c.noise > 0 && c.largest < 10 * c.noise);
     assert_true(c.test.passed && c.test.tests == 4 * side * side);
 }
 
-static void a_pixel_that_changed_is_found(void **state)
+TEST(a_pixel_that_changed_is_found)
 {
-    (void)state;
     const iso_extrapolated_change c = compare_versions(version(1, 0, 0), version(2, 0.02, 0));
     assert_int_equal(c.column, 5);
     assert_int_equal(c.row, 3);
@@ -140,17 +134,15 @@ static void a_pixel_that_changed_is_found(void **state)
 }
 
 /* Less than the noise of a pixel, but everywhere. */
-static void a_change_of_all_pixels_is_a_bias(void **state)
+TEST(a_change_of_all_pixels_is_a_bias)
 {
-    (void)state;
     const iso_extrapolated_change c = compare_versions(version(1, 0, 0), version(2, 0, 3e-4));
     assert_true(c.test.biased);
     assert_within(c.test.bias, 3e-4, 5e-5);
 }
 
-static void limits_that_were_not_kept_are_not_compared(void **state)
+TEST(limits_that_were_not_kept_are_not_compared)
 {
-    (void)state;
     iso_extrapolated a = extrapolate(0.01, 0.01, false, 2), b = version(1, 0, 0);
     iso_extrapolated_change change;
     assert_status(iso_extrapolated_compare(&a, &b, &change, &err), ISO_E_RANGE);
@@ -158,17 +150,4 @@ static void limits_that_were_not_kept_are_not_compared(void **state)
     iso_extrapolated_destroy(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_bar_is_what_the_step_leaves_times_the_factor),
-        cmocka_unit_test(noise_is_part_of_the_bar),
-        cmocka_unit_test(what_is_no_number_has_an_infinite_bar),
-        cmocka_unit_test(a_version_does_not_differ_from_itself),
-        cmocka_unit_test(other_noise_is_no_change),
-        cmocka_unit_test(a_pixel_that_changed_is_found),
-        cmocka_unit_test(a_change_of_all_pixels_is_a_bias),
-        cmocka_unit_test(limits_that_were_not_kept_are_not_compared),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

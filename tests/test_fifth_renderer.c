@@ -127,9 +127,8 @@ static const char *limit_of(const iso_report *r)
     return verdict_of(r, "agreement", "renderer", "shifted", "comparison", "limit");
 }
 
-static void it_is_listed_with_the_others(void **state)
+TEST(it_is_listed_with_the_others)
 {
-    (void)state;
     char names[256];
     const iso_renderer_info *found;
     iso_renderers_with(0, ", ", " and ", names, sizeof names);
@@ -143,9 +142,8 @@ static void it_is_listed_with_the_others(void **state)
     assert_status(iso_renderers_register(&iso_renderer_shifted, &err), ISO_E_USAGE); /* the name is taken */
 }
 
-static void what_it_does_not_have_is_refused_by_name(void **state)
+TEST(what_it_does_not_have_is_refused_by_name)
 {
-    (void)state;
     iso_renderers renderers = {0};
     iso_level level = {0};
     iso_pyramid p = {.level_count = 1, .levels = &level};
@@ -159,9 +157,8 @@ static void what_it_does_not_have_is_refused_by_name(void **state)
     assert_string_equal(why.text, "isosurfaces are rendered by reference, gl and povray, not by shifted");
 }
 
-static void without_its_shift_it_agrees(void **state)
+TEST(without_its_shift_it_agrees)
 {
-    (void)state;
     iso_report *r = validate(0, "right");
     expect_trust(r);
     assert_string_equal(lock_step_of(r), "agree");
@@ -170,18 +167,16 @@ static void without_its_shift_it_agrees(void **state)
 }
 
 /* So small a part of a voxel is less than calibration asks for; the same samples show it. */
-static void with_a_small_shift_its_samples_differ(void **state)
+TEST(with_a_small_shift_its_samples_differ)
 {
-    (void)state;
     iso_report *r = validate(5e-5, "near");
     expect_trust(r);
     assert_string_equal(lock_step_of(r), "differ");
     iso_report_destroy(r);
 }
 
-static void with_a_large_shift_its_calibration_refuses_it(void **state)
+TEST(with_a_large_shift_its_calibration_refuses_it)
 {
-    (void)state;
     iso_report *r = validate(0.5, "wrong");
     assert_string_equal(calibration(r, "placement"), "fail");
     assert_string_equal(lock_step_of(r), "refused");
@@ -189,14 +184,4 @@ static void with_a_large_shift_its_calibration_refuses_it(void **state)
     iso_report_destroy(r);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(it_is_listed_with_the_others),
-        cmocka_unit_test(what_it_does_not_have_is_refused_by_name),
-        cmocka_unit_test(without_its_shift_it_agrees),
-        cmocka_unit_test(with_a_small_shift_its_samples_differ),
-        cmocka_unit_test(with_a_large_shift_its_calibration_refuses_it),
-    };
-    return cmocka_run_group_tests(tests, begin, remove_folder);
-}
+TEST_MAIN(begin, remove_folder)

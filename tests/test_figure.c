@@ -130,9 +130,8 @@ static bool overlap(const row *a, const row *b)
     return a->left < b->right && b->left < a->right && a->bottom < b->top && b->bottom < a->top;
 }
 
-static void panels_lie_inside_and_apart_with_enough_pixels(void **state)
+TEST(panels_lie_inside_and_apart_with_enough_pixels)
 {
-    (void)state;
     char *report = make_report("r1", 2), *out = inside("f1");
     row rows[32];
     for (int kind = 0; kind < 2; ++kind) {
@@ -157,9 +156,8 @@ static void panels_lie_inside_and_apart_with_enough_pixels(void **state)
     free(out);
 }
 
-static void the_scale_bar_has_its_length(void **state)
+TEST(the_scale_bar_has_its_length)
 {
-    (void)state;
     char *report = make_report("r2", 2), *unknown = make_report("r3", 0), *out = inside("f2");
     iso_figure_job job = job_of("levels", report, out);
     row rows[32];
@@ -225,9 +223,8 @@ static void find_bar(shown_at *is_shown, double *x, double *y)
     free(out);
 }
 
-static void the_scale_bar_stands_where_little_is_shown(void **state)
+TEST(the_scale_bar_stands_where_little_is_shown)
 {
-    (void)state;
     const struct {
         shown_at *is_shown;
         bool right, top;
@@ -241,9 +238,8 @@ static void the_scale_bar_stands_where_little_is_shown(void **state)
 }
 
 /* A soft volume fills the picture, or the text is wider than the picture: the caption has the width instead. */
-static void a_picture_without_room_has_no_scale_bar(void **state)
+TEST(a_picture_without_room_has_no_scale_bar)
 {
-    (void)state;
     const struct {
         float opacity;
         double width_mm;
@@ -264,9 +260,8 @@ static void a_picture_without_room_has_no_scale_bar(void **state)
     }
 }
 
-static void numbers_are_written_for_readers(void **state)
+TEST(numbers_are_written_for_readers)
 {
-    (void)state;
     const struct {
         double value, apart;
         const char *text;
@@ -280,18 +275,16 @@ static void numbers_are_written_for_readers(void **state)
     }
 }
 
-static void scales_end_at_round_numbers(void **state)
+TEST(scales_end_at_round_numbers)
 {
-    (void)state;
     const double rounded[][2] = {{0.443, 0.5}, {0.25, 0.25}, {0.99, 1}, {1, 1},
                                  {1.01, 1.2},  {7e-4, 8e-4}, {0, 1},    {NAN, 1}};
     for (size_t i = 0; i < sizeof rounded / sizeof *rounded; ++i)
         assert_within(iso_figure_round_up(rounded[i][0]), rounded[i][1], 1e-12);
 }
 
-static void maps_hold_the_differences(void **state)
+TEST(maps_hold_the_differences)
 {
-    (void)state;
     char *report = make_report("r4", 2), *out = inside("f4"), *data;
     size_t size;
     iso_figure_job job = job_of("levels", report, out);
@@ -318,9 +311,8 @@ static void maps_hold_the_differences(void **state)
 }
 
 /* The adapted TF is a method of its own, by its name. */
-static void the_adapted_tf_can_be_asked_for(void **state)
+TEST(the_adapted_tf_can_be_asked_for)
 {
-    (void)state;
     char *report = make_report("r7", 2), *out = inside("f7"), *data;
     size_t size;
     iso_figure_job job = job_of("levels", report, out);
@@ -346,9 +338,8 @@ static void the_adapted_tf_can_be_asked_for(void **state)
     free(out);
 }
 
-static void text_is_vector_and_fonts_are_embedded(void **state)
+TEST(text_is_vector_and_fonts_are_embedded)
 {
-    (void)state;
     char *report = make_report("r5", 2), *out = inside("f5"), *data;
     size_t size;
     iso_figure_job job = job_of("levels", report, out);
@@ -366,9 +357,8 @@ static void text_is_vector_and_fonts_are_embedded(void **state)
     free(out);
 }
 
-static void bad_requests_are_refused_and_leave_nothing(void **state)
+TEST(bad_requests_are_refused_and_leave_nothing)
 {
-    (void)state;
     char *report = make_report("r6", 2), *out = inside("f6"), *missing = inside("none");
     iso_figure_job job = job_of("levels", missing, out);
     assert_status(iso_figure_make(&job, &err), ISO_E_IO);
@@ -394,9 +384,8 @@ static void bad_requests_are_refused_and_leave_nothing(void **state)
 }
 
 /* A pixel's size from two rays: where neighbors meet the plane through the center of the box. */
-static void the_pixel_of_a_view_is_measured_at_the_center(void **state)
+TEST(the_pixel_of_a_view_is_measured_at_the_center)
 {
-    (void)state;
     const size_t size[3] = {20, 30, 24};
     const double spacing[3] = {1, 0.5, 2};
     iso_geometry g = iso_geometry_axis_aligned(size, spacing);
@@ -420,20 +409,4 @@ static void the_pixel_of_a_view_is_measured_at_the_center(void **state)
     assert_within(iso_view_mm_per_pixel(&behind, &g), 0, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(panels_lie_inside_and_apart_with_enough_pixels),
-        cmocka_unit_test(the_scale_bar_has_its_length),
-        cmocka_unit_test(the_scale_bar_stands_where_little_is_shown),
-        cmocka_unit_test(a_picture_without_room_has_no_scale_bar),
-        cmocka_unit_test(numbers_are_written_for_readers),
-        cmocka_unit_test(scales_end_at_round_numbers),
-        cmocka_unit_test(maps_hold_the_differences),
-        cmocka_unit_test(the_adapted_tf_can_be_asked_for),
-        cmocka_unit_test(text_is_vector_and_fonts_are_embedded),
-        cmocka_unit_test(bad_requests_are_refused_and_leave_nothing),
-        cmocka_unit_test(the_pixel_of_a_view_is_measured_at_the_center),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -140,9 +140,8 @@ static difference measure(scene *s, const iso_brick_field *bricks, size_t level,
     return d;
 }
 
-static void hits_on_one_texture_are_the_reference_s(void **state)
+TEST(hits_on_one_texture_are_the_reference_s)
 {
-    (void)state;
     scene s;
     make_scene(&s, ISO_FIELD_MARSCHNER_LOBB, 0.6, 2);
     for (size_t level = 0; level < 2; ++level) {
@@ -163,9 +162,8 @@ static void hits_on_one_texture_are_the_reference_s(void **state)
     destroy_scene(&s);
 }
 
-static void hits_on_bricks_of_random_levels_are_the_reference_s(void **state)
+TEST(hits_on_bricks_of_random_levels_are_the_reference_s)
 {
-    (void)state;
     scene s;
     make_scene(&s, ISO_FIELD_MARSCHNER_LOBB, 0.6, 1);
     const iso_brick_field baked = {&s.nodes, s.levels, ISO_FACES_BAKED};
@@ -180,9 +178,8 @@ static void hits_on_bricks_of_random_levels_are_the_reference_s(void **state)
 }
 
 /* One plane of voxels, seen at an angle, thinner than a step of any marching: each ray has to meet it. */
-static void a_sheet_of_one_voxel_has_no_holes(void **state)
+TEST(a_sheet_of_one_voxel_has_no_holes)
 {
-    (void)state;
     enum { n = 32 };
     float *scalar = calloc(n * n * n, sizeof *scalar);
     uint8_t *codes = calloc(n * n * n, 3);
@@ -252,9 +249,8 @@ static double steps_across_faces(const scene *s, iso_node_levels *nodes, iso_bri
     return (double)apart / (double)pairs;
 }
 
-static void surfaces_do_not_step_where_bricks_meet(void **state)
+TEST(surfaces_do_not_step_where_bricks_meet)
 {
-    (void)state;
     scene s;
     iso_node_levels nodes;
     make_scene(&s, ISO_FIELD_MARSCHNER_LOBB, 0.6, 1);
@@ -273,13 +269,4 @@ static void surfaces_do_not_step_where_bricks_meet(void **state)
     destroy_scene(&s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hits_on_one_texture_are_the_reference_s),
-        cmocka_unit_test(hits_on_bricks_of_random_levels_are_the_reference_s),
-        cmocka_unit_test(a_sheet_of_one_voxel_has_no_holes),
-        cmocka_unit_test(surfaces_do_not_step_where_bricks_meet),
-    };
-    return cmocka_run_group_tests(tests, open_gl, close_gl);
-}
+TEST_MAIN(open_gl, close_gl)

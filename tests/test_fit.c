@@ -47,9 +47,8 @@ static double opacity_at(const iso_fit_curve *curve, double value)
     return (double)((1 - f) * curve->entries[4 * i + 3] + f * curve->entries[4 * i + 7]);
 }
 
-static void curve_is_color_and_opacity_of_the_table(void **state)
+TEST(curve_is_color_and_opacity_of_the_table)
 {
-    (void)state;
     iso_fit_curve c = curve_of(ramp(0.4, 0.6));
     /* Extinction is linear between 256 entries, opacity is not: less than 1e-3. */
     assert_within(opacity_at(&c, 0.5), 0.4, 1e-3);
@@ -61,9 +60,8 @@ static void curve_is_color_and_opacity_of_the_table(void **state)
     iso_fit_curve_destroy(&c);
 }
 
-static void widened_ramp_is_a_mean_over_its_window(void **state)
+TEST(widened_ramp_is_a_mean_over_its_window)
 {
-    (void)state;
     iso_fit_curve c = curve_of(ramp(0.4, 0.6)), wide = c;
     wide.entries = malloc(4 * c.count * sizeof *c.entries);
     iso_fit_curve_widen(&c, 0.6, &wide);
@@ -79,9 +77,8 @@ static void widened_ramp_is_a_mean_over_its_window(void **state)
     iso_fit_curve_destroy(&c);
 }
 
-static void constant_curve_has_no_ramp(void **state)
+TEST(constant_curve_has_no_ramp)
 {
-    (void)state;
     iso_tf_table t = ramp(0.4, 0.6);
     for (size_t i = 0; i < 4 * t.count; ++i)
         t.entries[i] = 0.25f;
@@ -146,9 +143,8 @@ static iso_volume two_materials(size_t nx, size_t ny, size_t nz)
     return v;
 }
 
-static void gradient_is_that_of_finite_differences(void **state)
+TEST(gradient_is_that_of_finite_differences)
 {
-    (void)state;
     iso_tf_table tables[] = {ramp(0.3, 0.7), peak(0.5, 0.3)};
     for (size_t t = 0; t < 2; ++t) {
         subject s = subject_of(noise(13, 10, 7), 1, curve_of(tables[t]));
@@ -175,9 +171,8 @@ static void gradient_is_that_of_finite_differences(void **state)
     }
 }
 
-static void error_never_ends_above_its_start(void **state)
+TEST(error_never_ends_above_its_start)
 {
-    (void)state;
     iso_tf_table tables[] = {ramp(0.45, 0.5), peak(0.5, 0.03), peak(0.2, 0.5), ramp(0, 1)};
     for (size_t t = 0; t < 4; ++t)
         for (size_t level = 1; level < 4; ++level) {
@@ -224,9 +219,8 @@ static double misplacement(const subject *s, const float *coarse)
 }
 
 /* Means put a surface that is not at half the step toward the lesser values; opaque voxels say where it is. */
-static void fitted_level_shows_a_surface_where_level_0_has_it(void **state)
+TEST(fitted_level_shows_a_surface_where_level_0_has_it)
 {
-    (void)state;
     for (size_t level = 1; level < 4; ++level) {
         subject s = subject_of(two_materials(48, 40, 36), level, curve_of(ramp(0.22, 0.28)));
         bind(&s);
@@ -241,9 +235,8 @@ static void fitted_level_shows_a_surface_where_level_0_has_it(void **state)
     }
 }
 
-static void threads_change_no_bit(void **state)
+TEST(threads_change_no_bit)
 {
-    (void)state;
     subject s = subject_of(noise(23, 19, 22), 2, curve_of(ramp(0.3, 0.5)));
     bind(&s);
     const size_t bytes = s.map.coarse_count * sizeof *s.coarse;
@@ -263,9 +256,8 @@ static void threads_change_no_bit(void **state)
     drop(&s);
 }
 
-static void what_a_constant_curve_shows_stays(void **state)
+TEST(what_a_constant_curve_shows_stays)
 {
-    (void)state;
     iso_tf_table t = ramp(0.4, 0.6);
     for (size_t i = 0; i < 4 * t.count; ++i)
         t.entries[i] = 0.25f;
@@ -278,17 +270,4 @@ static void what_a_constant_curve_shows_stays(void **state)
     drop(&s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(curve_is_color_and_opacity_of_the_table),
-        cmocka_unit_test(widened_ramp_is_a_mean_over_its_window),
-        cmocka_unit_test(constant_curve_has_no_ramp),
-        cmocka_unit_test(gradient_is_that_of_finite_differences),
-        cmocka_unit_test(error_never_ends_above_its_start),
-        cmocka_unit_test(fitted_level_shows_a_surface_where_level_0_has_it),
-        cmocka_unit_test(threads_change_no_bit),
-        cmocka_unit_test(what_a_constant_curve_shows_stays),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

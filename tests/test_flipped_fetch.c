@@ -58,9 +58,8 @@ static iso_pyramid make_plate(iso_direction_filter filter)
 }
 
 /* The plate is 1.6 voxels thick (a Gaussian of .8 deviation): the middle is between voxels of opposite directions. */
-static void a_thin_plate_keeps_its_normal(void **state)
+TEST(a_thin_plate_keeps_its_normal)
 {
-    (void)state;
     iso_pyramid p = make_plate(ISO_DIRECTION_MOMENTS);
     const shortness flipped = near_the_middle(&p.levels[0], ISO_FROM_FLIPPED),
                     plain = near_the_middle(&p.levels[0], ISO_FROM_CODES);
@@ -72,9 +71,8 @@ static void a_thin_plate_keeps_its_normal(void **state)
 }
 
 /* Level 1 with the tensor mean, whose axis survives where the mean of vectors vanishes. */
-static void a_coarse_plate_keeps_its_normal(void **state)
+TEST(a_coarse_plate_keeps_its_normal)
 {
-    (void)state;
     iso_pyramid p = make_plate(ISO_DIRECTION_TENSOR);
     const shortness flipped = near_the_middle(&p.levels[1], ISO_FROM_FLIPPED),
                     plain = near_the_middle(&p.levels[1], ISO_FROM_CODES);
@@ -84,9 +82,8 @@ static void a_coarse_plate_keeps_its_normal(void **state)
 }
 
 /* Where no directions oppose each other nothing changes. */
-static void directions_of_one_side_are_left_alone(void **state)
+TEST(directions_of_one_side_are_left_alone)
 {
-    (void)state;
     const size_t size[3] = {9, 8, 7};
     const double spacing[3] = {1, 1, 1};
     iso_field f = {.kind = ISO_FIELD_RAMP, .geometry = iso_geometry_axis_aligned(size, spacing)};
@@ -109,12 +106,4 @@ static void directions_of_one_side_are_left_alone(void **state)
     iso_volume_destroy(&v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_thin_plate_keeps_its_normal),
-        cmocka_unit_test(a_coarse_plate_keeps_its_normal),
-        cmocka_unit_test(directions_of_one_side_are_left_alone),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -115,9 +115,8 @@ static void begin_anew(void)
     assert_int_equal(mkdir(at("work"), 0777), 0);
 }
 
-static void a_folder_that_lost_its_name_before_the_lock_is_not_locked(void **state)
+TEST(a_folder_that_lost_its_name_before_the_lock_is_not_locked)
 {
-    (void)state;
     static other_process *const others[] = {finish_work, remove_work, replace_work};
     for (size_t i = 0; i < 3; ++i) {
         begin_anew();
@@ -130,9 +129,8 @@ static void a_folder_that_lost_its_name_before_the_lock_is_not_locked(void **sta
     }
 }
 
-static void without_a_new_bearer_of_the_name_nothing_is_locked(void **state)
+TEST(without_a_new_bearer_of_the_name_nothing_is_locked)
 {
-    (void)state;
     begin_anew();
     before_flock = finish_work;
     const iso_folder_lock lock = iso_folder_lock_take(at("work"), false);
@@ -140,9 +138,8 @@ static void without_a_new_bearer_of_the_name_nothing_is_locked(void **state)
     assert_int_equal(lock.cause, ENOENT);
 }
 
-static void another_s_lock_is_waited_for_two_seconds(void **state)
+TEST(another_s_lock_is_waited_for_two_seconds)
 {
-    (void)state;
     begin_anew();
     const iso_folder_lock first = iso_folder_lock_take(at("work"), true);
     pauses = 0;
@@ -153,9 +150,8 @@ static void another_s_lock_is_waited_for_two_seconds(void **state)
     close(first.fd);
 }
 
-static void without_locks_the_folder_is_opened_and_the_reason_told(void **state)
+TEST(without_locks_the_folder_is_opened_and_the_reason_told)
 {
-    (void)state;
     begin_anew();
     no_locks = true;
     const iso_folder_lock lock = iso_folder_lock_take(at("work"), true);
@@ -165,9 +161,8 @@ static void without_locks_the_folder_is_opened_and_the_reason_told(void **state)
     close(lock.fd);
 }
 
-static void a_link_is_not_followed(void **state)
+TEST(a_link_is_not_followed)
 {
-    (void)state;
     begin_anew();
     assert_int_equal(symlink("work", at("link")), 0);
     const iso_folder_lock lock = iso_folder_lock_take(at("link"), true);
@@ -238,9 +233,8 @@ static void begin_second(void)
         write_own(&second, "second");
 }
 
-static void an_output_that_is_finished_while_another_waits_is_not_emptied(void **state)
+TEST(an_output_that_is_finished_while_another_waits_is_not_emptied)
 {
-    (void)state;
     bool resumed;
     begin_first();
     before_flock = commit_first;
@@ -250,9 +244,8 @@ static void an_output_that_is_finished_while_another_waits_is_not_emptied(void *
     assert_stands("first");
 }
 
-static void nor_is_it_lost_as_the_other_takes_its_place(void **state)
+TEST(nor_is_it_lost_as_the_other_takes_its_place)
 {
-    (void)state;
     bool resumed;
     begin_first();
     before_flock = commit_first;
@@ -269,9 +262,8 @@ static void take_partial(void)
     at_work = iso_folder_lock_take(at(".out.partial"), true);
 }
 
-static void work_that_begins_right_after_a_rename_stays(void **state)
+TEST(work_that_begins_right_after_a_rename_stays)
 {
-    (void)state;
     begin_first();
     after_rename = take_partial;
     commit_first();
@@ -281,9 +273,8 @@ static void work_that_begins_right_after_a_rename_stays(void **state)
     assert_stands("first");
 }
 
-static void a_replaced_folder_is_not_taken_for_work(void **state)
+TEST(a_replaced_folder_is_not_taken_for_work)
 {
-    (void)state;
     begin_first();
     commit_first();
     begin_second();
@@ -308,9 +299,8 @@ static void begin_two_folders(void)
 }
 
 /* Also where folders cannot be exchanged in one step. */
-static void of_two_that_finish_at_once_the_last_one_stands(void **state)
+TEST(of_two_that_finish_at_once_the_last_one_stands)
 {
-    (void)state;
     for (int i = 0; i < 2; ++i) {
         no_exchange = i == 1;
         begin_two_folders();
@@ -327,9 +317,8 @@ static void commit_second_into_the_gap(void)
     after_rename = commit_second;
 }
 
-static void so_it_does_in_the_middle_of_an_exchange_by_steps(void **state)
+TEST(so_it_does_in_the_middle_of_an_exchange_by_steps)
 {
-    (void)state;
     begin_first();
     commit_first();
     begin_two_folders();
@@ -350,9 +339,8 @@ static void look_at_the_lock(void)
     close(other);
 }
 
-static void the_folder_is_locked_while_a_set_gets_its_names(void **state)
+TEST(the_folder_is_locked_while_a_set_gets_its_names)
 {
-    (void)state;
     iso_output outs[2] = {0};
     iso_error err = {""};
     const char *names[] = {at("grid.vdb"), at("scene.blend")};
@@ -371,21 +359,4 @@ static void the_folder_is_locked_while_a_set_gets_its_names(void **state)
     assert_true(iso_path_exists(names[0]) && iso_path_exists(names[1]));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_folder_that_lost_its_name_before_the_lock_is_not_locked),
-        cmocka_unit_test(without_a_new_bearer_of_the_name_nothing_is_locked),
-        cmocka_unit_test(another_s_lock_is_waited_for_two_seconds),
-        cmocka_unit_test(without_locks_the_folder_is_opened_and_the_reason_told),
-        cmocka_unit_test(a_link_is_not_followed),
-        cmocka_unit_test(an_output_that_is_finished_while_another_waits_is_not_emptied),
-        cmocka_unit_test(nor_is_it_lost_as_the_other_takes_its_place),
-        cmocka_unit_test(work_that_begins_right_after_a_rename_stays),
-        cmocka_unit_test(a_replaced_folder_is_not_taken_for_work),
-        cmocka_unit_test(of_two_that_finish_at_once_the_last_one_stands),
-        cmocka_unit_test(the_folder_is_locked_while_a_set_gets_its_names),
-        cmocka_unit_test(so_it_does_in_the_middle_of_an_exchange_by_steps),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -112,9 +112,8 @@ static double opacity_beside(const iso_pyramid *p, size_t level, const iso_tf_ta
     return sum / (double)count;
 }
 
-static void adapting_leaves_the_ghost_of_the_skin_out(void **state)
+TEST(adapting_leaves_the_ghost_of_the_skin_out)
 {
-    (void)state;
     iso_pyramid p = pyramid_of(N, head, LEVEL + 1);
     iso_tf_table tf = band(0.6, 2), plain, kept;
     iso_adapt_options opt = iso_adapt_defaults();
@@ -142,9 +141,8 @@ static void adapting_leaves_the_ghost_of_the_skin_out(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void a_head_without_rests_has_no_ghost_to_leave_out(void **state)
+TEST(a_head_without_rests_has_no_ghost_to_leave_out)
 {
-    (void)state;
     iso_pyramid p = pyramid_of(N, bare_head, LEVEL + 1);
     iso_tf_table tf = band(0.6, 2), plain, kept;
     iso_adapt_options opt = iso_adapt_defaults();
@@ -174,9 +172,8 @@ static void assert_empty_along_x(const iso_pyramid *p, size_t level, const iso_t
     free(empty);
 }
 
-static void what_is_empty_is_known(void **state)
+TEST(what_is_empty_is_known)
 {
-    (void)state;
     iso_pyramid p = pyramid_of(16, step, 3);
     iso_tf_table high = band(0.9, 2), middle = band(0.4, 0.6);
     /* Voxel i of level 1 is fine voxels 2 i and 2 i + 1, with one more on each side; of level 2 four, with two. */
@@ -206,9 +203,8 @@ static bool has_one(const iso_level *fine, size_t level, const size_t at[3])
     return found;
 }
 
-static void what_is_empty_is_so_along_all_axes_and_at_odd_ends(void **state)
+TEST(what_is_empty_is_so_along_all_axes_and_at_odd_ends)
 {
-    (void)state;
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){13, 10, 7}, (double[]){1, 1, 1});
     iso_volume v;
     iso_pyramid p;
@@ -235,9 +231,8 @@ static void what_is_empty_is_so_along_all_axes_and_at_odd_ends(void **state)
     iso_volume_destroy(&v);
 }
 
-static void threads_change_no_entry(void **state)
+TEST(threads_change_no_entry)
 {
-    (void)state;
     iso_pyramid p = pyramid_of(N, head, LEVEL + 1);
     iso_tf_table tf = band(0.6, 2), one, three;
     iso_adapt_options opt = iso_adapt_defaults();
@@ -253,14 +248,4 @@ static void threads_change_no_entry(void **state)
     iso_pyramid_destroy(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(adapting_leaves_the_ghost_of_the_skin_out),
-        cmocka_unit_test(a_head_without_rests_has_no_ghost_to_leave_out),
-        cmocka_unit_test(what_is_empty_is_known),
-        cmocka_unit_test(what_is_empty_is_so_along_all_axes_and_at_odd_ends),
-        cmocka_unit_test(threads_change_no_entry),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

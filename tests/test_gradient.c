@@ -71,9 +71,8 @@ static double largest_error(const iso_geometry *g, const float *out, iso_vec3 ex
  * millimeter or more, and the sum of three axes stay within 10 times that. */
 static const double rounding = 10 * 64 * 0x1p-24;
 
-static void linear_field_is_exact_with_borders_in_any_geometry(void **state)
+TEST(linear_field_is_exact_with_borders_in_any_geometry)
 {
-    (void)state;
     const size_t sizes[][3] = {{7, 5, 6}, {2, 3, 2}, {9, 2, 4}, {33, 4, 3}};
     for (size_t s = 0; s < ISO_GRADIENT_COUNT * (sizeof sizes / sizeof *sizes); ++s) {
         const size_t *n = sizes[s / ISO_GRADIENT_COUNT];
@@ -92,9 +91,8 @@ static void linear_field_is_exact_with_borders_in_any_geometry(void **state)
     }
 }
 
-static void an_axis_of_one_voxel_has_no_gradient_along_it(void **state)
+TEST(an_axis_of_one_voxel_has_no_gradient_along_it)
 {
-    (void)state;
     for (int axis = 0; axis < 3; ++axis) {
         size_t size[3] = {5, 6, 7};
         size[axis] = 1;
@@ -110,9 +108,8 @@ static void an_axis_of_one_voxel_has_no_gradient_along_it(void **state)
     }
 }
 
-static void a_single_voxel_and_a_constant_have_no_gradient(void **state)
+TEST(a_single_voxel_and_a_constant_have_no_gradient)
 {
-    (void)state;
     const size_t sizes[][3] = {{1, 1, 1}, {3, 4, 5}};
     for (size_t s = 0; s < 2; ++s) {
         iso_geometry g = oblique(sizes[s][0], sizes[s][1], sizes[s][2]);
@@ -133,9 +130,8 @@ static double distance(iso_vec3 p)
 
 /* The error of a central difference of |p| is h^2/6 times its third derivative, which is at most
  * 3 / r^2: with h = 1 and r >= 8 the direction is off by less than sqrt(3) / 2 / 64 rad. */
-static void sphere_gradients_point_outwards_with_an_error_of_second_order(void **state)
+TEST(sphere_gradients_point_outwards_with_an_error_of_second_order)
 {
-    (void)state;
     double worst[2] = {0, 0};
     for (int fine = 0; fine < 2; ++fine) {
         size_t n = fine ? 48 : 24, size[3] = {n, n, n};
@@ -157,9 +153,8 @@ static void sphere_gradients_point_outwards_with_an_error_of_second_order(void *
     assert_at_most(worst[0] / worst[1], 4.4);
 }
 
-static void types_agree_where_they_hold_the_same_values(void **state)
+TEST(types_agree_where_they_hold_the_same_values)
 {
-    (void)state;
     const iso_type types[] = {ISO_U8, ISO_I8, ISO_U16, ISO_I16, ISO_U32, ISO_I32, ISO_F32, ISO_F64};
     iso_geometry g = oblique(6, 5, 4);
     const size_t count = iso_geometry_voxel_count(&g);
@@ -193,9 +188,8 @@ static double wave(iso_vec3 p)
     return sin(p.x) * cos(1.3 * p.y) + sin(0.7 * p.z + p.x);
 }
 
-static void slabs_and_threads_give_the_same_bytes(void **state)
+TEST(slabs_and_threads_give_the_same_bytes)
 {
-    (void)state;
     iso_geometry g = oblique(13, 7, 9);
     iso_volume v = sample(&g, ISO_F32, wave);
     const size_t plane = 3 * 13 * 7, bytes = 9 * plane * sizeof(float);
@@ -219,9 +213,8 @@ static double cubic(iso_vec3 p)
 }
 
 /* Of one sample's rounding, 3e-4 x 2^-24 x 512 of values up to 512 each: below 2e-4. */
-static void cubic_fields_are_exact_for_the_estimator_of_fourth_order(void **state)
+TEST(cubic_fields_are_exact_for_the_estimator_of_fourth_order)
 {
-    (void)state;
     const size_t size[3] = {11, 9, 12};
     const double spacing[3] = {1, 0.5, 1.5};
     iso_geometry g = iso_geometry_axis_aligned(size, spacing);
@@ -247,9 +240,8 @@ static void cubic_fields_are_exact_for_the_estimator_of_fourth_order(void **stat
 
 /* The border's weights sum to 8 at most, of values up to 300, each rounded to 2^-24: below 2e-4, over half a step
  * 4e-4. */
-static void cubic_fields_are_exact_for_the_spline_up_to_the_border(void **state)
+TEST(cubic_fields_are_exact_for_the_spline_up_to_the_border)
 {
-    (void)state;
     const size_t sizes[][3] = {{11, 9, 12}, {40, 4, 5}, {4, 30, 27}};
     const double spacing[3] = {0.5, 0.5, 0.5};
     for (size_t s = 0; s < 3; ++s) {
@@ -292,9 +284,8 @@ static void spline_by_recursion(const double *f, size_t n, double *d)
 
 /* 12 taps end at .268^12 = 1.4e-7 of the samples, some times more with what the last two take up; floats add 24 x
  * 2^-24. */
-static void the_spline_is_that_of_the_recursive_pre_filter_along_each_axis(void **state)
+TEST(the_spline_is_that_of_the_recursive_pre_filter_along_each_axis)
 {
-    (void)state;
     for (int axis = 0; axis < 3; ++axis) {
         size_t size[3] = {2, 2, 2};
         size[axis] = 100;
@@ -322,9 +313,8 @@ static void the_spline_is_that_of_the_recursive_pre_filter_along_each_axis(void 
 }
 
 /* Float sums of 27 values of 2 or less, in two orders: within 30 x 2 x 2^-24 of each other, over half a step. */
-static void corners_are_the_sobel_operator_at_voxel_centers(void **state)
+TEST(corners_are_the_sobel_operator_at_voxel_centers)
 {
-    (void)state;
     const size_t sizes[][3] = {{13, 7, 9}, {1, 5, 2}, {6, 1, 1}, {2, 2, 2}};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
         iso_geometry g = oblique(sizes[s][0], sizes[s][1], sizes[s][2]);
@@ -346,9 +336,8 @@ static void corners_are_the_sobel_operator_at_voxel_centers(void **state)
     }
 }
 
-static void names_lead_back_to_their_methods(void **state)
+TEST(names_lead_back_to_their_methods)
 {
-    (void)state;
     iso_gradient_method method;
     for (int i = 0; i < ISO_GRADIENT_COUNT; ++i) {
         assert_ok(iso_gradient_from_name(iso_gradient_name((iso_gradient_method)i), &method, &err));
@@ -385,9 +374,8 @@ static double polynomial_error(iso_gradient_method method, int degree, int axis)
 /* Exact but for the rounding of the sums, whose terms are below 8^order where weights count. Of the next degree each
  * errs by a constant: half the second derivative (intermediate), a sixth of the third (central), 120 / 30 and 120 / 180
  * of x^5. */
-static void each_estimator_has_the_order_that_its_row_says(void **state)
+TEST(each_estimator_has_the_order_that_its_row_says)
 {
-    (void)state;
     for (int m = 0; m < ISO_GRADIENT_COUNT; ++m)
         for (int axis = 0; axis < 3; ++axis) {
             const int order = iso_gradient_describe((iso_gradient_method)m)->order;
@@ -398,21 +386,4 @@ static void each_estimator_has_the_order_that_its_row_says(void **state)
         }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_estimator_has_the_order_that_its_row_says),
-        cmocka_unit_test(linear_field_is_exact_with_borders_in_any_geometry),
-        cmocka_unit_test(an_axis_of_one_voxel_has_no_gradient_along_it),
-        cmocka_unit_test(a_single_voxel_and_a_constant_have_no_gradient),
-        cmocka_unit_test(sphere_gradients_point_outwards_with_an_error_of_second_order),
-        cmocka_unit_test(types_agree_where_they_hold_the_same_values),
-        cmocka_unit_test(slabs_and_threads_give_the_same_bytes),
-        cmocka_unit_test(cubic_fields_are_exact_for_the_estimator_of_fourth_order),
-        cmocka_unit_test(cubic_fields_are_exact_for_the_spline_up_to_the_border),
-        cmocka_unit_test(the_spline_is_that_of_the_recursive_pre_filter_along_each_axis),
-        cmocka_unit_test(corners_are_the_sobel_operator_at_voxel_centers),
-        cmocka_unit_test(names_lead_back_to_their_methods),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -17,9 +17,8 @@ static void make_times(double power, double start, double seconds[SIZES])
         seconds[i] = start + pow(voxels[i] / voxels[2], power);
 }
 
-static void powers_are_found(void **state)
+TEST(powers_are_found)
 {
-    (void)state;
     static const double powers[] = {0.667, 0.9, 1, 1.1, 2};
     for (size_t p = 0; p < sizeof powers / sizeof *powers; ++p) {
         double seconds[SIZES];
@@ -29,9 +28,8 @@ static void powers_are_found(void **state)
 }
 
 /* The planted fault: a cost that every size has, taken for time that grows, makes 1 look like less. */
-static void a_start_that_is_not_taken_off_is_seen(void **state)
+TEST(a_start_that_is_not_taken_off_is_seen)
 {
-    (void)state;
     double seconds[SIZES];
     make_times(1, 0.2, seconds);
     assert_true(iso_growth_slope(voxels, seconds, SIZES, 0, NULL) < 0.95);
@@ -39,9 +37,8 @@ static void a_start_that_is_not_taken_off_is_seen(void **state)
 }
 
 /* A start that is a third off moves the slope by less than the header says. */
-static void sizes_whose_time_is_mostly_start_are_left_out(void **state)
+TEST(sizes_whose_time_is_mostly_start_are_left_out)
 {
-    (void)state;
     double seconds[SIZES];
     size_t used;
     make_times(1, 0.1, seconds); /* .102, .225, 1.1, 8.1, 64.1 */
@@ -50,9 +47,8 @@ static void sizes_whose_time_is_mostly_start_are_left_out(void **state)
     assert_within(iso_growth_slope(voxels, seconds, SIZES, 0.1 * 2 / 3, &used), 1, 0.016);
 }
 
-static void what_was_not_measured_is_left_out(void **state)
+TEST(what_was_not_measured_is_left_out)
 {
-    (void)state;
     double seconds[SIZES];
     make_times(1, 0, seconds);
     seconds[0] = 0, seconds[3] = NAN;
@@ -60,13 +56,4 @@ static void what_was_not_measured_is_left_out(void **state)
     assert_true(isnan(iso_growth_slope(voxels, seconds, 2, 0, NULL)));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(powers_are_found),
-        cmocka_unit_test(a_start_that_is_not_taken_off_is_seen),
-        cmocka_unit_test(sizes_whose_time_is_mostly_start_are_left_out),
-        cmocka_unit_test(what_was_not_measured_is_left_out),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -24,9 +24,8 @@ static iso_image pattern(void)
     return image;
 }
 
-static void exr_keeps_every_bit_and_the_orientation(void **state)
+TEST(exr_keeps_every_bit_and_the_orientation)
 {
-    (void)state;
     iso_image a = pattern(), b;
     char *path = iso_path_join(folder, "a.exr");
     const iso_image_note notes[] = {{"command", "isoshade render"}, {NULL, NULL}};
@@ -62,9 +61,8 @@ static void set_windows(const char *path, const int32_t data[4], const int32_t d
 }
 
 /* What an EXR shows is its display window: data that lie elsewhere in it are another picture. */
-static void the_data_window_places_the_pixels(void **state)
+TEST(the_data_window_places_the_pixels)
 {
-    (void)state;
     enum { WIDTH = 7, HEIGHT = 6 };
     iso_image a, b;
     iso_metrics m;
@@ -95,9 +93,8 @@ static void the_data_window_places_the_pixels(void **state)
     free(path);
 }
 
-static void a_truncated_exr_is_refused(void **state)
+TEST(a_truncated_exr_is_refused)
 {
-    (void)state;
     iso_image a = pattern(), b;
     char *path = iso_path_join(folder, "cut.exr");
     assert_ok(iso_image_save_exr(&a, path, NULL, &err));
@@ -128,9 +125,8 @@ static size_t chunk_bytes(const char *path)
 }
 
 /* A chunk that packs to its raw size is stored raw. Noise in which ever more bytes are 0 meets that size from above. */
-static void chunks_that_pack_to_their_raw_size_are_kept(void **state)
+TEST(chunks_that_pack_to_their_raw_size_are_kept)
 {
-    (void)state;
     enum { WIDTH = 13, HEIGHT = 16, VALUES = 4 * WIDTH * HEIGHT };
     iso_image a, b;
     bool some_raw = false, some_packed = false;
@@ -156,9 +152,8 @@ static void chunks_that_pack_to_their_raw_size_are_kept(void **state)
 }
 
 /* Planted: one byte of a raw chunk, a pixel more, a file cut. */
-static void a_file_with_other_pixels_is_noticed_after_writing(void **state)
+TEST(a_file_with_other_pixels_is_noticed_after_writing)
 {
-    (void)state;
     iso_image a, more;
     char *bytes, *path = iso_path_join(folder, "raw.exr");
     size_t size;
@@ -181,9 +176,8 @@ static void a_file_with_other_pixels_is_noticed_after_writing(void **state)
 }
 
 /* ITU-R BT.2087 has the matrix of Rec. 2020, to 4 digits; SMPTE TB 2018 that of ACES AP1 (D60), by Bradford, to 5. */
-static void colors_of_other_primaries_become_those_of_rec_709(void **state)
+TEST(colors_of_other_primaries_become_those_of_rec_709)
 {
-    (void)state;
     static const iso_primaries rec2020 = {{{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}, {0.3127, 0.3290}}},
                                ap1 = {{{0.713, 0.293}, {0.165, 0.830}, {0.128, 0.044}, {0.32168, 0.33767}}},
                                srgb = {{{0.64, 0.33}, {0.3, 0.6}, {0.15, 0.06}, {0.31271, 0.32902}}},
@@ -204,9 +198,8 @@ static void colors_of_other_primaries_become_those_of_rec_709(void **state)
     assert_false(iso_primaries_matrix(&line, m));
 }
 
-static void an_unwritable_folder_is_named(void **state)
+TEST(an_unwritable_folder_is_named)
 {
-    (void)state;
     iso_image a = pattern();
     iso_error e = {""};
     assert_int_equal(iso_image_save_exr(&a, "/nonexistent/folder/a.exr", NULL, &e), ISO_E_IO);
@@ -215,9 +208,8 @@ static void an_unwritable_folder_is_named(void **state)
     iso_image_destroy(&a);
 }
 
-static void ppm_of_16_bits_is_read_and_8_bits_refused(void **state)
+TEST(ppm_of_16_bits_is_read_and_8_bits_refused)
 {
-    (void)state;
     iso_image a;
     char *path = iso_path_join(folder, "a.ppm");
     static const char good[] = "P6\n# POV-Ray\n2 1\n65535\n\377\377\000\000\000\001\200\000\000\000\000\000";
@@ -236,9 +228,8 @@ static void ppm_of_16_bits_is_read_and_8_bits_refused(void **state)
 }
 
 /* Byte 188 is 0.502886 in linear light, 1 is 1 / (255 * 12.92). */
-static void png_is_decoded_from_srgb_of_8_and_16_bits(void **state)
+TEST(png_is_decoded_from_srgb_of_8_and_16_bits)
 {
-    (void)state;
     iso_image a, b;
     char *path = iso_path_join(folder, "a.png");
     assert_ok(iso_image_create(&a, 256, 1, &err));
@@ -278,9 +269,8 @@ static void png_is_decoded_from_srgb_of_8_and_16_bits(void **state)
     free(path);
 }
 
-static void the_background_shows_through_what_is_left_of_alpha(void **state)
+TEST(the_background_shows_through_what_is_left_of_alpha)
 {
-    (void)state;
     iso_image a;
     const double background[3] = {1, 0.5, 0};
     assert_ok(iso_image_create(&a, 1, 1, &err));
@@ -293,19 +283,4 @@ static void the_background_shows_through_what_is_left_of_alpha(void **state)
     iso_image_destroy(&a);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(exr_keeps_every_bit_and_the_orientation),
-        cmocka_unit_test(the_data_window_places_the_pixels),
-        cmocka_unit_test(a_truncated_exr_is_refused),
-        cmocka_unit_test(chunks_that_pack_to_their_raw_size_are_kept),
-        cmocka_unit_test(a_file_with_other_pixels_is_noticed_after_writing),
-        cmocka_unit_test(colors_of_other_primaries_become_those_of_rec_709),
-        cmocka_unit_test(an_unwritable_folder_is_named),
-        cmocka_unit_test(ppm_of_16_bits_is_read_and_8_bits_refused),
-        cmocka_unit_test(png_is_decoded_from_srgb_of_8_and_16_bits),
-        cmocka_unit_test(the_background_shows_through_what_is_left_of_alpha),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -105,9 +105,8 @@ static double measured_rmse(const iso_image *a, const iso_image *b)
     return m.rmse;
 }
 
-static void no_image_is_farther_than_its_bound(void **state)
+TEST(no_image_is_farther_than_its_bound)
 {
-    (void)state;
     static const iso_field_kind kinds[] = {ISO_FIELD_SHELLS, ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_NOISE};
     int below = 0;
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; ++k) {
@@ -135,9 +134,8 @@ static void no_image_is_farther_than_its_bound(void **state)
     assert_more_than(below, 5); /* a bound of 1 for everything would be none */
 }
 
-static void level_0_against_itself_is_0_and_threads_change_nothing(void **state)
+TEST(level_0_against_itself_is_0_and_threads_change_nothing)
 {
-    (void)state;
     iso_pyramid p = pyramid_of(ISO_FIELD_NOISE, 2);
     iso_view view = view_of(&p, 0.5, 0.5, false, true);
     assert_true(bound_of(&p, 0, &view, &view.tf, 1) == 0);
@@ -149,9 +147,8 @@ static void level_0_against_itself_is_0_and_threads_change_nothing(void **state)
 /* One value everywhere, clear at level 0 and of a small extinction at the "level": C = (g - B)(1 - exp(-tau)). Nothing
  * is lost but that slabs are as bright at their end as at their beginning, and that blocks are whole: the bound is
  * tight, and half of it, the planted fault, would be exceeded. */
-static void a_thin_fog_has_a_tight_bound(void **state)
+TEST(a_thin_fog_has_a_tight_bound)
 {
-    (void)state;
     iso_pyramid p = pyramid_of(ISO_FIELD_CONSTANT, 1);
     iso_view view = view_of(&p, 0.5, 0, true, false);
     float *clear = view.tf.entries, fog[8] = {1, 1, 1, 0.02f, 1, 1, 1, 0.02f}, nothing[8] = {0};
@@ -174,9 +171,8 @@ static void a_thin_fog_has_a_tight_bound(void **state)
 }
 
 /* Regions of one voxel instead of two: closer, and no image is above it. */
-static void more_points_make_it_closer(void **state)
+TEST(more_points_make_it_closer)
 {
-    (void)state;
     iso_pyramid p = pyramid_of(ISO_FIELD_NOISE, 2);
     iso_view view = view_of(&p, 0.5, 0.5, true, false);
     view.width = view.height = 2 * PIXELS; /* pixels smaller than a voxel, which blocks cannot be smaller than */
@@ -193,9 +189,8 @@ static void more_points_make_it_closer(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void what_it_does_not_hold_for_is_refused(void **state)
+TEST(what_it_does_not_hold_for_is_refused)
 {
-    (void)state;
     iso_pyramid p = pyramid_of(ISO_FIELD_NOISE, 2);
     iso_view view = view_of(&p, 0.5, 0.5, true, false);
     iso_image_bound_input in = {.fine = p.levels, .coarse = p.levels + 1, .level = 1, .view = &view};
@@ -209,14 +204,4 @@ static void what_it_does_not_hold_for_is_refused(void **state)
     iso_pyramid_destroy(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_image_is_farther_than_its_bound),
-        cmocka_unit_test(level_0_against_itself_is_0_and_threads_change_nothing),
-        cmocka_unit_test(a_thin_fog_has_a_tight_bound),
-        cmocka_unit_test(more_points_make_it_closer),
-        cmocka_unit_test(what_it_does_not_hold_for_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

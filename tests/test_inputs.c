@@ -37,9 +37,8 @@ static char *make_file(const char *name)
 }
 
 /* The first test: nothing is watched yet. */
-static void a_program_may_save_what_it_has_loaded(void **state)
+TEST(a_program_may_save_what_it_has_loaded)
 {
-    (void)state;
     char *path = make_file("a");
     assert_ok(iso_inputs_note(path, &err));
     assert_ok(iso_file_write(path, "b", 1, &err));
@@ -47,9 +46,8 @@ static void a_program_may_save_what_it_has_loaded(void **state)
     iso_inputs_watch();
 }
 
-static void an_output_that_was_announced_is_no_input(void **state)
+TEST(an_output_that_was_announced_is_no_input)
 {
-    (void)state;
     char *path = make_file("b"), *link = iso_path_join(folder, "link");
     assert_int_equal(symlink(path, link), 0);
     assert_ok(iso_inputs_announce(path, &err));
@@ -58,9 +56,8 @@ static void an_output_that_was_announced_is_no_input(void **state)
     free(path);
 }
 
-static void nor_is_an_input_an_output_later(void **state)
+TEST(nor_is_an_input_an_output_later)
 {
-    (void)state;
     char *path = make_file("c"), *other = iso_path_join(folder, "hard");
     assert_int_equal(link(path, other), 0);
     assert_ok(iso_inputs_note(path, &err));
@@ -73,9 +70,8 @@ static void nor_is_an_input_an_output_later(void **state)
 }
 
 /* Also one that is not there yet, by a link to the folder, and one that was announced before. */
-static void nothing_in_a_folder_that_is_read_is_an_output(void **state)
+TEST(nothing_in_a_folder_that_is_read_is_an_output)
 {
-    (void)state;
     char *store = iso_path_join(folder, "store"), *link = iso_path_join(folder, "way");
     char *deep = iso_path_join(store, "0"), *beside = iso_path_join(folder, "store.iso");
     assert_int_equal(mkdir(store, 0700) + mkdir(deep, 0700) + symlink(store, link), 0);
@@ -92,9 +88,8 @@ static void nothing_in_a_folder_that_is_read_is_an_output(void **state)
         free(all[i]);
 }
 
-static void what_is_not_there_is_neither(void **state)
+TEST(what_is_not_there_is_neither)
 {
-    (void)state;
     char *path = iso_path_join(folder, "nothing");
     assert_ok(iso_inputs_announce(path, &err));
     assert_ok(iso_inputs_note(path, &err));
@@ -104,9 +99,8 @@ static void what_is_not_there_is_neither(void **state)
 }
 
 /* What a command writes and reads again, such as a scene beside a report. */
-static void an_output_that_was_written_may_be_read(void **state)
+TEST(an_output_that_was_written_may_be_read)
 {
-    (void)state;
     char *path = make_file("d");
     assert_ok(iso_inputs_announce(path, &err));
     assert_ok(iso_file_write(path, "new", 3, &err));
@@ -114,9 +108,8 @@ static void an_output_that_was_written_may_be_read(void **state)
     free(path);
 }
 
-static void a_folder_is_not_replaced_where_a_file_of_it_is_read(void **state)
+TEST(a_folder_is_not_replaced_where_a_file_of_it_is_read)
 {
-    (void)state;
     iso_output out;
     char *path = iso_path_join(folder, "dir"), *file = iso_path_join(path, "marker");
     for (int run = 0; run < 2; ++run) { /* the second replaces the first */
@@ -132,9 +125,8 @@ static void a_folder_is_not_replaced_where_a_file_of_it_is_read(void **state)
     free(path);
 }
 
-static void threads_note_at_once(void **state)
+TEST(threads_note_at_once)
 {
-    (void)state;
     enum { FILES = 64, ROUNDS = 16 };
     char *paths[FILES];
     for (int i = 0; i < FILES; ++i) {
@@ -153,17 +145,4 @@ static void threads_note_at_once(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_program_may_save_what_it_has_loaded),
-        cmocka_unit_test(an_output_that_was_announced_is_no_input),
-        cmocka_unit_test(nor_is_an_input_an_output_later),
-        cmocka_unit_test(nothing_in_a_folder_that_is_read_is_an_output),
-        cmocka_unit_test(what_is_not_there_is_neither),
-        cmocka_unit_test(an_output_that_was_written_may_be_read),
-        cmocka_unit_test(a_folder_is_not_replaced_where_a_file_of_it_is_read),
-        cmocka_unit_test(threads_note_at_once),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -61,9 +61,8 @@ static iso_level level_of(const grids *g, size_t level, iso_geometry *fine)
     return l;
 }
 
-static void gather_is_what_the_sampler_shows(void **state)
+TEST(gather_is_what_the_sampler_shows)
 {
-    (void)state;
     grids g;
     FOR_ALL_GRIDS(g)
     {
@@ -85,9 +84,8 @@ static void gather_is_what_the_sampler_shows(void **state)
     }
 }
 
-static void scatter_is_the_transpose_of_gather(void **state)
+TEST(scatter_is_the_transpose_of_gather)
 {
-    (void)state;
     grids g;
     FOR_ALL_GRIDS(g)
     {
@@ -108,9 +106,8 @@ static void scatter_is_the_transpose_of_gather(void **state)
 }
 
 /* Weights of a fine voxel sum up to 1: so does what it scatters. */
-static void weights_sum_to_one(void **state)
+TEST(weights_sum_to_one)
 {
-    (void)state;
     grids g;
     FOR_ALL_GRIDS(g)
     {
@@ -129,9 +126,8 @@ static void weights_sum_to_one(void **state)
     }
 }
 
-static void threads_do_not_matter(void **state)
+TEST(threads_do_not_matter)
 {
-    (void)state;
     grids g;
     FOR_ALL_GRIDS(g)
     {
@@ -169,9 +165,8 @@ static void multiply(void *context, const iso_fine_row *row)
     p->called += row->count;
 }
 
-static void runs_that_are_not_wanted_count_as_zero(void **state)
+TEST(runs_that_are_not_wanted_count_as_zero)
 {
-    (void)state;
     grids g;
     FOR_ALL_GRIDS(g)
     {
@@ -219,9 +214,8 @@ static void runs_that_are_not_wanted_count_as_zero(void **state)
     }
 }
 
-static void sizes_and_grids_beyond_the_limits_are_refused(void **state)
+TEST(sizes_and_grids_beyond_the_limits_are_refused)
 {
-    (void)state;
     iso_interpolation map;
     assert_status(iso_interpolation_create(&map, (const size_t[]){4, 0, 4}, 1, &err), ISO_E_RANGE);
     assert_status(iso_interpolation_create(&map, (const size_t[]){4, 4, 4}, 32, &err), ISO_E_RANGE);
@@ -232,15 +226,4 @@ static void sizes_and_grids_beyond_the_limits_are_refused(void **state)
     iso_interpolation_destroy(NULL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gather_is_what_the_sampler_shows),
-        cmocka_unit_test(scatter_is_the_transpose_of_gather),
-        cmocka_unit_test(weights_sum_to_one),
-        cmocka_unit_test(threads_do_not_matter),
-        cmocka_unit_test(runs_that_are_not_wanted_count_as_zero),
-        cmocka_unit_test(sizes_and_grids_beyond_the_limits_are_refused),
-    };
-    return cmocka_run_group_tests_name("interpolation", tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

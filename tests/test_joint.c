@@ -60,9 +60,8 @@ static void assert_equals_direct_sum(const iso_pyramid *p, size_t level, const i
     assert_int_equal(j->voxel_count, n[0] * n[1] * n[2]);
 }
 
-static void histograms_equal_a_direct_sum_of_trilinear_lookups(void **state)
+TEST(histograms_equal_a_direct_sum_of_trilinear_lookups)
 {
-    (void)state;
     iso_pyramid p = random_pyramid(21, 14, 11, ISO_U8, 3);
     for (size_t level = 1; level < p.level_count; ++level) {
         iso_joint j;
@@ -95,16 +94,14 @@ static size_t misplaced_count(size_t level)
     return sum;
 }
 
-static void coarser_levels_are_looked_up_the_same(void **state)
+TEST(coarser_levels_are_looked_up_the_same)
 {
-    (void)state;
     assert_int_equal(misplaced_count(3), 0); /* 2 + 9 + 12 bits: exact */
     assert_true(misplaced_count(4) <= 8); /* 2 + 12 + 15 bits: float rounds, so some of 15466 ties fall the other way */
 }
 
-static void histograms_of_twelve_and_sixteen_bits_count_the_same(void **state)
+TEST(histograms_of_twelve_and_sixteen_bits_count_the_same)
 {
-    (void)state;
     iso_pyramid p = random_pyramid(13, 10, 7, ISO_U16, 2);
     for (int bits = 12; bits <= 16; bits += 4) { /* 12: tables; 16: hash maps */
         iso_joint j;
@@ -134,9 +131,8 @@ static void assert_same_joint(const iso_joint *a, const iso_joint *b)
     assert_memory_equal(a->entry_count_of, b->entry_count_of, a->entry_count * sizeof *a->entry_count_of);
 }
 
-static void counts_do_not_depend_on_threads_or_slabs(void **state)
+TEST(counts_do_not_depend_on_threads_or_slabs)
 {
-    (void)state;
     iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
     const size_t *n = p.levels[0].geometry.size, *m = p.levels[2].geometry.size;
     iso_joint whole, other;
@@ -161,9 +157,8 @@ static void counts_do_not_depend_on_threads_or_slabs(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void stored_histograms_come_back_and_foreign_ones_are_refused(void **state)
+TEST(stored_histograms_come_back_and_foreign_ones_are_refused)
 {
-    (void)state;
     char *dir = iso_make_temp_dir();
     iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
     for (int bits = 8; bits <= 12; bits += 4) { /* dense, then sparse */
@@ -192,14 +187,4 @@ static void stored_histograms_come_back_and_foreign_ones_are_refused(void **stat
     free(dir);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(histograms_equal_a_direct_sum_of_trilinear_lookups),
-        cmocka_unit_test(coarser_levels_are_looked_up_the_same),
-        cmocka_unit_test(histograms_of_twelve_and_sixteen_bits_count_the_same),
-        cmocka_unit_test(counts_do_not_depend_on_threads_or_slabs),
-        cmocka_unit_test(stored_histograms_come_back_and_foreign_ones_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -37,9 +37,8 @@ static double read_back(double value)
     return result;
 }
 
-static void all_doubles_come_back(void **state)
+TEST(all_doubles_come_back)
 {
-    (void)state;
     static const double values[] = {0,       -0.0,    1,       0.1,     0.3,       1.0 / 3,           -2.0 / 3, 1e22, 123456789,
                                     1e15 / 7, 1e-7 / 3, DBL_MAX, DBL_MIN, 4.9406564584124654e-324, 1e6 + 1e-3};
     for (size_t i = 0; i < sizeof values / sizeof *values; ++i) {
@@ -50,9 +49,8 @@ static void all_doubles_come_back(void **state)
 }
 
 /* Editors of Windows write a byte order mark. In the middle of a text it is a fault. */
-static void a_byte_order_mark_is_skipped(void **state)
+TEST(a_byte_order_mark_is_skipped)
 {
-    (void)state;
     static const char marked[] = "\xef\xbb\xbf{\"a\": 1}", within[] = "{\xef\xbb\xbf\"a\": 1}";
     json_t *root;
     assert_ok(iso_json_parse("a.json", marked, sizeof marked - 1, &root, &err));
@@ -62,9 +60,8 @@ static void a_byte_order_mark_is_skipped(void **state)
     assert_status(iso_json_parse("a.json", marked, 3, &root, &err), ISO_E_FORMAT);
 }
 
-static void texts_stay_and_numbers_are_short(void **state)
+TEST(texts_stay_and_numbers_are_short)
 {
-    (void)state;
     json_t *root = json_pack("{s:s, s:f, s:i, s:[f, f]}", "1.10000000000000001", "\"0.10000000000000001\\", "b", 0.1, "c", 12, "d",
                              6.500000000000001, (double)0.7f);
     char *text = saved(root);
@@ -74,12 +71,4 @@ static void texts_stay_and_numbers_are_short(void **state)
     json_decref(root);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_doubles_come_back),
-        cmocka_unit_test(a_byte_order_mark_is_skipped),
-        cmocka_unit_test(texts_stay_and_numbers_are_short),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

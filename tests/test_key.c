@@ -171,9 +171,8 @@ static void leave_out(json_t *stored, const json_t *now, const char *part)
         json_object_set(stored, name, value);
 }
 
-static void each_input_changes_its_own_part_alone(void **state)
+TEST(each_input_changes_its_own_part_alone)
 {
-    (void)state;
     char why[256], before[ISO_KEY_DIGEST_BYTES], after[ISO_KEY_DIGEST_BYTES];
     make_inputs();
     for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
@@ -200,9 +199,8 @@ static void each_input_changes_its_own_part_alone(void **state)
     }
 }
 
-static void a_file_that_is_touched_or_written_again_is_the_same(void **state)
+TEST(a_file_that_is_touched_or_written_again_is_the_same)
 {
-    (void)state;
     char why[256];
     iso_key *key = make_key();
     json_t *stored = iso_key_to_json(key);
@@ -217,9 +215,8 @@ static void a_file_that_is_touched_or_written_again_is_the_same(void **state)
     iso_key_destroy(key);
 }
 
-static void an_input_more_or_less_is_noticed(void **state)
+TEST(an_input_more_or_less_is_noticed)
 {
-    (void)state;
     char why[256];
     iso_key *key = make_key();
     json_t *stored = iso_key_to_json(key);
@@ -237,9 +234,8 @@ static void an_input_more_or_less_is_noticed(void **state)
     iso_key_destroy(key);
 }
 
-static void an_input_that_is_gone_is_an_error(void **state)
+TEST(an_input_that_is_gone_is_an_error)
 {
-    (void)state;
     char *path = path_of("w.raw");
     unlink(path);
     iso_key *key = iso_key_create();
@@ -250,9 +246,8 @@ static void an_input_that_is_gone_is_an_error(void **state)
     free(path);
 }
 
-static void values_and_paths_are_not_readable(void **state)
+TEST(values_and_paths_are_not_readable)
 {
-    (void)state;
     iso_key *key = iso_key_create();
     iso_key_add_text(key, "--scene", "/home/somebody/secret.scene.json");
     json_t *parts = iso_key_to_json(key);
@@ -263,14 +258,4 @@ static void values_and_paths_are_not_readable(void **state)
     iso_key_destroy(key);
 }
 
-int main(void)
-{
-    const struct CMUnitTest all[] = {
-        cmocka_unit_test(each_input_changes_its_own_part_alone),
-        cmocka_unit_test(a_file_that_is_touched_or_written_again_is_the_same),
-        cmocka_unit_test(an_input_more_or_less_is_noticed),
-        cmocka_unit_test(an_input_that_is_gone_is_an_error),
-        cmocka_unit_test(values_and_paths_are_not_readable),
-    };
-    return cmocka_run_group_tests(all, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

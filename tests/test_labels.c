@@ -110,9 +110,8 @@ static void free_slab(iso_level *level)
  * are exact but for floats, some 32 of them. Cycles: 16 steps a voxel, of which 16 are in each wherever they begin, in
  * floats too. POV-Ray: intervals of an eighth and a quarter of a voxel, extrapolated; 16 bits a channel, twice
  * 7.6e-6. */
-static void a_slab_of_two_labels_has_its_closed_form(void **state)
+TEST(a_slab_of_two_labels_has_its_closed_form)
 {
-    (void)state;
     static const struct {
         const char *renderer;
         bool exact;
@@ -136,9 +135,8 @@ static void a_slab_of_two_labels_has_its_closed_form(void **state)
 }
 
 /* Differences of labels are those of what is looked up, in all ways of lookup. */
-static void differences_on_the_fly_are_those_of_labels(void **state)
+TEST(differences_on_the_fly_are_those_of_labels)
 {
-    (void)state;
     iso_level level = make_slab();
     iso_view view = make_view();
     iso_image wanted, image;
@@ -157,9 +155,8 @@ static void differences_on_the_fly_are_those_of_labels(void **state)
 }
 
 /* Planted: interpolated, the labels between 3 and 7 show. */
-static void interpolated_labels_are_far_from_it(void **state)
+TEST(interpolated_labels_are_far_from_it)
 {
-    (void)state;
     iso_level level = make_slab();
     level.labels = false;
     static const char *const names[] = {"reference", "gl", "povray", "cycles"};
@@ -173,9 +170,8 @@ static void interpolated_labels_are_far_from_it(void **state)
 }
 
 /* None of ours does. */
-static void a_renderer_that_would_interpolate_is_refused(void **state)
+TEST(a_renderer_that_would_interpolate_is_refused)
 {
-    (void)state;
     iso_level level = make_slab();
     iso_renderer_info without = *find("gl");
     iso_image image;
@@ -208,9 +204,8 @@ static float vote(const iso_level *fine, size_t x, size_t y, size_t z)
     return (float)best;
 }
 
-static void coarse_labels_are_majorities(void **state)
+TEST(coarse_labels_are_majorities)
 {
-    (void)state;
     const size_t size[3] = {13, 9, 11};
     const double spacing[3] = {1, 1, 1};
     const iso_geometry g = iso_geometry_axis_aligned(size, spacing);
@@ -312,9 +307,8 @@ static int constant(int x, int y, int z)
 }
 
 /* Floats are measured, whatever their values. */
-static void floats_are_no_labels(void **state)
+TEST(floats_are_no_labels)
 {
-    (void)state;
     const size_t size[3] = {SIDE, SIDE, SIDE};
     const double spacing[3] = {1, 1, 1};
     const iso_geometry g = iso_geometry_axis_aligned(size, spacing);
@@ -343,9 +337,8 @@ static iso_label_facts look_at(value_of value, bool all)
     return facts;
 }
 
-static void labels_are_told_from_intensities(void **state)
+TEST(labels_are_told_from_intensities)
 {
-    (void)state;
     static const struct {
         value_of value;
         bool is_map;
@@ -361,16 +354,4 @@ static void labels_are_told_from_intensities(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_slab_of_two_labels_has_its_closed_form),
-        cmocka_unit_test(differences_on_the_fly_are_those_of_labels),
-        cmocka_unit_test(interpolated_labels_are_far_from_it),
-        cmocka_unit_test(a_renderer_that_would_interpolate_is_refused),
-        cmocka_unit_test(coarse_labels_are_majorities),
-        cmocka_unit_test(labels_are_told_from_intensities),
-        cmocka_unit_test(floats_are_no_labels),
-    };
-    return cmocka_run_group_tests(tests, NULL, end_renderers);
-}
+TEST_MAIN(NULL, end_renderers)

@@ -88,21 +88,18 @@ static bool gives_whole_buffers(allocator *alloc)
     return whole;
 }
 
-static void buffers_are_whole(void **state)
+TEST(buffers_are_whole)
 {
-    (void)state;
     assert_true(gives_whole_buffers(iso_large_alloc));
 }
 
-static void large_ones_begin_on_a_huge_page(void **state)
+TEST(large_ones_begin_on_a_huge_page)
 {
-    (void)state;
     assert_true(begins_on_a_huge_page(iso_large_alloc));
 }
 
-static void large_ones_are_advised_to_be_of_huge_pages(void **state)
+TEST(large_ones_are_advised_to_be_of_huge_pages)
 {
-    (void)state;
     if (!kernel_takes_advice())
         skip();
     assert_true(asks_for_huge_pages(iso_large_alloc));
@@ -115,9 +112,8 @@ const char *__asan_default_options(void)
     return "allocator_may_return_null=1";
 }
 
-static void too_much_is_refused(void **state)
+TEST(too_much_is_refused)
 {
-    (void)state;
     static const size_t sizes[] = {SIZE_MAX, SIZE_MAX - HUGE_PAGE, SIZE_MAX - HUGE_PAGE + 1, SIZE_MAX / 2 + 1};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i)
         assert_null(iso_large_alloc(sizes[i]));
@@ -152,9 +148,8 @@ static void *half_advised(size_t bytes)
     return p;
 }
 
-static void faults_are_noticed(void **state)
+TEST(faults_are_noticed)
 {
-    (void)state;
     assert_false(gives_whole_buffers(rounded_down));
     assert_false(gives_whole_buffers(too_short));
     assert_false(gives_whole_buffers(never_there));
@@ -164,14 +159,4 @@ static void faults_are_noticed(void **state)
     assert_false(asks_for_huge_pages(rounded_down));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(buffers_are_whole),
-        cmocka_unit_test(large_ones_begin_on_a_huge_page),
-        cmocka_unit_test(large_ones_are_advised_to_be_of_huge_pages),
-        cmocka_unit_test(too_much_is_refused),
-        cmocka_unit_test(faults_are_noticed),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

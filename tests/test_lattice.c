@@ -138,9 +138,8 @@ static iso_lattice_options options_of(const scene *s, bool merged, size_t level)
                                  .threads = 1};
 }
 
-static void merged_lattice_shows_what_the_bricks_show(void **state)
+TEST(merged_lattice_shows_what_the_bricks_show)
 {
-    (void)state;
     for (unsigned seed = 1; seed <= 5; ++seed) {
         scene s;
         iso_lattice l;
@@ -159,9 +158,8 @@ static void merged_lattice_shows_what_the_bricks_show(void **state)
     }
 }
 
-static void lattice_of_a_level_has_its_bricks_to_the_last_bit_of_a_float(void **state)
+TEST(lattice_of_a_level_has_its_bricks_to_the_last_bit_of_a_float)
 {
-    (void)state;
     size_t all = 0;
     for (unsigned seed = 1; seed <= 5; ++seed)
         for (size_t level = 0; level < LEVELS; ++level) {
@@ -194,9 +192,8 @@ static uint8_t *activity_of(const iso_lattice *l, size_t i)
 
 /* Planted faults: without the halo values between an active node and the background show; without one needed node the
  * field is another. */
-static void lattice_without_its_halo_or_a_node_is_seen_to_differ(void **state)
+TEST(lattice_without_its_halo_or_a_node_is_seen_to_differ)
 {
-    (void)state;
     scene s;
     iso_lattice l;
     size_t shown, halo = 0;
@@ -276,9 +273,8 @@ static double largest_halo_error(const scene *s, const iso_lattice *l, size_t *c
 }
 
 /* In bricks that are coarser than the lattice, of its level, and finer. The planted fault: the halo as background. */
-static void a_halo_holds_the_scalars_of_the_field(void **state)
+TEST(a_halo_holds_the_scalars_of_the_field)
 {
-    (void)state;
     size_t count = 0;
     for (unsigned seed = 1; seed <= 5; ++seed)
         for (size_t level = 0; level <= LEVELS; ++level) {
@@ -305,9 +301,8 @@ static void a_halo_holds_the_scalars_of_the_field(void **state)
     assert_true(count > 100);
 }
 
-static void nodes_of_a_lattice_stand_where_the_volume_has_them(void **state)
+TEST(nodes_of_a_lattice_stand_where_the_volume_has_them)
 {
-    (void)state;
     scene s;
     make_scene(&s, ISO_FIELD_NOISE, 2);
     for (size_t level = 0; level < LEVELS; ++level) {
@@ -329,9 +324,8 @@ static void nodes_of_a_lattice_stand_where_the_volume_has_them(void **state)
     destroy_scene(&s);
 }
 
-static void what_has_no_lattice_is_refused(void **state)
+TEST(what_has_no_lattice_is_refused)
 {
-    (void)state;
     scene s;
     iso_lattice l;
     make_scene(&s, ISO_FIELD_NOISE, 3);
@@ -347,9 +341,8 @@ static void what_has_no_lattice_is_refused(void **state)
 
 /* ---- the store ------------------------------------------------------------------ */
 
-static void an_update_leaves_what_baking_from_nothing_leaves(void **state)
+TEST(an_update_leaves_what_baking_from_nothing_leaves)
 {
-    (void)state;
     scene s;
     iso_brick_store store = {0};
     make_scene(&s, ISO_FIELD_NOISE, 4);
@@ -374,9 +367,8 @@ static void an_update_leaves_what_baking_from_nothing_leaves(void **state)
 }
 
 /* The planted fault: a store that follows the levels but does not look at neighbors. */
-static void bricks_beside_a_change_do_change(void **state)
+TEST(bricks_beside_a_change_do_change)
 {
-    (void)state;
     scene s;
     iso_brick_store before = {0}, after = {0};
     make_scene(&s, ISO_FIELD_NOISE, 5);
@@ -396,17 +388,4 @@ static void bricks_beside_a_change_do_change(void **state)
     destroy_scene(&s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(merged_lattice_shows_what_the_bricks_show),
-        cmocka_unit_test(lattice_of_a_level_has_its_bricks_to_the_last_bit_of_a_float),
-        cmocka_unit_test(lattice_without_its_halo_or_a_node_is_seen_to_differ),
-        cmocka_unit_test(a_halo_holds_the_scalars_of_the_field),
-        cmocka_unit_test(nodes_of_a_lattice_stand_where_the_volume_has_them),
-        cmocka_unit_test(what_has_no_lattice_is_refused),
-        cmocka_unit_test(an_update_leaves_what_baking_from_nothing_leaves),
-        cmocka_unit_test(bricks_beside_a_change_do_change),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -131,9 +131,8 @@ static double difference(const iso_volume *v, size_t k, const iso_level *level, 
 /* Float arithmetic: sums of some ten products of values below 1, solved at a condition below 30 an axis. */
 #define FLOAT_TOLERANCE 3e-6
 
-static void levels_are_the_dense_solutions(void **state)
+TEST(levels_are_the_dense_solutions)
 {
-    (void)state;
     for (size_t n = 2; n <= 17; ++n)
         for (int axis = 0; axis < 3; ++axis) {
             iso_volume v = noise(axis == 0 ? n : 5, axis == 1 ? n : axis == 0 ? 3 : 5, axis == 2 ? n : 3);
@@ -149,9 +148,8 @@ static void levels_are_the_dense_solutions(void **state)
         }
 }
 
-static void many_planes_are_solved_in_blocks_as_in_one_piece(void **state)
+TEST(many_planes_are_solved_in_blocks_as_in_one_piece)
 {
-    (void)state;
     static const size_t depths[] = {80, 93, 127};
     for (size_t d = 0; d < 3; ++d) {
         iso_volume v = noise(3, 2, depths[d]);
@@ -165,9 +163,8 @@ static void many_planes_are_solved_in_blocks_as_in_one_piece(void **state)
 }
 
 /* From the carry of the cascade: levels above the fifth, on each axis in turn. */
-static void high_levels_are_the_dense_solutions(void **state)
+TEST(high_levels_are_the_dense_solutions)
 {
-    (void)state;
     for (int axis = 0; axis < 3; ++axis) {
         iso_volume v = noise(axis == 0 ? 137 : 37, axis == 1 ? 150 : 5, axis == 2 ? 161 : 3);
         const iso_pyramid_options opt = least_squares(8);
@@ -199,9 +196,8 @@ static double error_of_apron(size_t apron)
     return worst;
 }
 
-static void an_apron_of_12_is_enough_and_of_6_is_not(void **state)
+TEST(an_apron_of_12_is_enough_and_of_6_is_not)
 {
-    (void)state;
     assert_at_most(error_of_apron(12), 1e-6);  /* 3^-12 is 2e-6 of what the borders differ by */
     assert_more_than(error_of_apron(6), 1e-5); /* planted */
 }
@@ -229,9 +225,8 @@ static double sample(int what, const size_t at[3], size_t i)
                        : (double)(at[0] == 4 && at[1] == 2 && at[2] == 3);
 }
 
-static void the_residual_is_at_most_that_of_the_means(void **state)
+TEST(the_residual_is_at_most_that_of_the_means)
 {
-    (void)state;
     static const size_t sizes[][3] = {{16, 16, 16}, {17, 13, 9}, {9, 23, 10}, {5, 6, 31}};
     for (size_t t = 0; t < 4; ++t)
         for (int what = 0; what < 4; ++what) {
@@ -259,9 +254,8 @@ static void the_residual_is_at_most_that_of_the_means(void **state)
         }
 }
 
-static void what_a_level_can_show_is_given_back(void **state)
+TEST(what_a_level_can_show_is_given_back)
 {
-    (void)state;
     static const size_t sizes[][3] = {{16, 24, 8}, {17, 13, 11}, {9, 30, 43}};
     for (size_t t = 0; t < 3; ++t)
         for (size_t k = 1; k <= 3; ++k) {
@@ -289,9 +283,8 @@ static void what_a_level_can_show_is_given_back(void **state)
 /* Clamped lookup bends a linear field in the outer half of the outermost voxels, and only there. Fields that are linear
  * between the outermost centers and constant beyond are exact everywhere; of those linear to the box's faces the
  * error decays from the faces by a third a voxel. */
-static void linear_fields_are_exact_but_for_clamping(void **state)
+TEST(linear_fields_are_exact_but_for_clamping)
 {
-    (void)state;
     enum { N = 96 };
     const double slope[3] = {1, -0.5, 0.25};
     for (size_t k = 1; k <= 2; ++k)
@@ -354,9 +347,8 @@ static double norm_of_inverse(size_t n, size_t k, bool inner_only)
     return norm;
 }
 
-static void an_axis_stretches_the_range_2_2_times_and_its_overhanging_end_6_times(void **state)
+TEST(an_axis_stretches_the_range_2_2_times_and_its_overhanging_end_6_times)
 {
-    (void)state;
     for (size_t k = 1; k <= 4; ++k)
         for (size_t n = 1; n <= (size_t)5 << k; n += k > 2 ? 3 : 1) {
             assert_at_most(norm_of_inverse(n, k, true), 2.2);
@@ -365,9 +357,8 @@ static void an_axis_stretches_the_range_2_2_times_and_its_overhanging_end_6_time
     assert_more_than(norm_of_inverse(33, 2, false), 3); /* that end is what it takes 6 for */
 }
 
-static void values_overshoot_by_no_more_and_the_level_says_so(void **state)
+TEST(values_overshoot_by_no_more_and_the_level_says_so)
 {
-    (void)state;
     iso_volume v = empty(19, 14, 16);
     for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i) {
         size_t at[3];
@@ -394,9 +385,8 @@ static void values_overshoot_by_no_more_and_the_level_says_so(void **state)
     iso_volume_destroy(&v);
 }
 
-static void a_constant_stays_one(void **state)
+TEST(a_constant_stays_one)
 {
-    (void)state;
     iso_volume v = empty(21, 10, 70);
     for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i)
         ((float *)v.data)[i] = 1000;
@@ -437,9 +427,8 @@ static void measure_own(const iso_volume *v, const size_t j[3], size_t k, double
     *mean = sum / count;
 }
 
-static void damped_levels_are_means_and_a_part_of_least_squares(void **state)
+TEST(damped_levels_are_means_and_a_part_of_least_squares)
 {
-    (void)state;
     static const size_t sizes[][3] = {{16, 16, 16}, {17, 13, 9}, {2, 23, 10}, {5, 1, 75}, {40, 66, 3}, {37, 150, 5}};
     for (size_t t = 0; t < 6; ++t) {
         iso_volume v = noise(sizes[t][0], sizes[t][1], sizes[t][2]);
@@ -474,9 +463,8 @@ static void damped_levels_are_means_and_a_part_of_least_squares(void **state)
 
 /* The residual is a square, with its least value at least squares, so on the way there from the means it falls as
  * (1 - part)^2: so it is below that of the means. Level 1 is held to ranges, which this volume does not leave. */
-static void the_residual_falls_with_the_square_of_what_is_left(void **state)
+TEST(the_residual_falls_with_the_square_of_what_is_left)
 {
-    (void)state;
     iso_volume v = noise(16, 24, 8);
     iso_pyramid p[3];
     static const iso_scalar_filter filters[] = {ISO_SCALAR_MEAN, ISO_SCALAR_LEAST_SQUARES, ISO_SCALAR_DAMPED};
@@ -494,9 +482,8 @@ static void the_residual_falls_with_the_square_of_what_is_left(void **state)
 }
 
 /* Means and least squares give linear fields back where voxels are whole. */
-static void linear_fields_are_exact_in_damped_levels(void **state)
+TEST(linear_fields_are_exact_in_damped_levels)
 {
-    (void)state;
     enum { N = 64 };
     iso_volume v = empty(N, N, N);
     for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i)
@@ -515,9 +502,8 @@ static void linear_fields_are_exact_in_damped_levels(void **state)
     iso_volume_destroy(&v);
 }
 
-static void values_whose_levels_may_overflow_are_refused(void **state)
+TEST(values_whose_levels_may_overflow_are_refused)
 {
-    (void)state;
     iso_volume v = noise(6, 5, 4);
     ((float *)v.data)[7] = 3e37f;
     iso_pyramid_options opt = least_squares(2);
@@ -531,23 +517,4 @@ static void values_whose_levels_may_overflow_are_refused(void **state)
     iso_volume_destroy(&v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(levels_are_the_dense_solutions),
-        cmocka_unit_test(many_planes_are_solved_in_blocks_as_in_one_piece),
-        cmocka_unit_test(high_levels_are_the_dense_solutions),
-        cmocka_unit_test(an_apron_of_12_is_enough_and_of_6_is_not),
-        cmocka_unit_test(the_residual_is_at_most_that_of_the_means),
-        cmocka_unit_test(what_a_level_can_show_is_given_back),
-        cmocka_unit_test(linear_fields_are_exact_but_for_clamping),
-        cmocka_unit_test(an_axis_stretches_the_range_2_2_times_and_its_overhanging_end_6_times),
-        cmocka_unit_test(values_overshoot_by_no_more_and_the_level_says_so),
-        cmocka_unit_test(a_constant_stays_one),
-        cmocka_unit_test(values_whose_levels_may_overflow_are_refused),
-        cmocka_unit_test(damped_levels_are_means_and_a_part_of_least_squares),
-        cmocka_unit_test(the_residual_falls_with_the_square_of_what_is_left),
-        cmocka_unit_test(linear_fields_are_exact_in_damped_levels),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

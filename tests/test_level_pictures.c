@@ -116,9 +116,8 @@ static held held_with(iso_field_kind kind, fault *in_level_1, fault *in_level_2)
     return h;
 }
 
-static void gross_faults_are_seen_in_pictures(void **state)
+TEST(gross_faults_are_seen_in_pictures)
 {
-    (void)state;
     const held clean = held_with(ISO_FIELD_BALLS, NULL, NULL);
     assert_true(clean.pictures[1] && clean.pictures[2]);
     assert_false(held_with(ISO_FIELD_BALLS, of_another_volume, NULL).pictures[1]);
@@ -131,9 +130,8 @@ static void gross_faults_are_seen_in_pictures(void **state)
 /* In tubes as thin as a voxel the adapted TF alone brings a level so much nearer to level 0 that wrong directions do
  * not put it behind gradients on the fly under the original TF; another volume does. The comparison with levels that
  * are built again finds the directions. */
-static void wrong_directions_of_thin_tubes_are_not_those_of_level_0(void **state)
+VALUES_TEST(wrong_directions_of_thin_tubes_are_not_those_of_level_0)
 {
-    (void)state;
     const held clean = held_with(ISO_FIELD_TUBES, NULL, NULL);
     assert_true(clean.pictures[1] && clean.pictures[2] && clean.stored[1] && clean.stored[2] && clean.nearer[2]);
     assert_false(held_with(ISO_FIELD_TUBES, mirrored, of_another_volume).pictures[2]);
@@ -141,9 +139,4 @@ static void wrong_directions_of_thin_tubes_are_not_those_of_level_0(void **state
     assert_false(both.stored[1] || both.stored[2]);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(gross_faults_are_seen_in_pictures),
-                                       cmocka_values_test(wrong_directions_of_thin_tubes_are_not_those_of_level_0)};
-    return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
-}
+TEST_MAIN(make_folder, end_renderers_and_folder)

@@ -97,9 +97,8 @@ static void noise_on(iso_volume *v, double deviation)
 }
 
 /* Signed values, an oblique grid, anisotropic voxels, and noise of a fiftieth of the range. */
-static void clean_volumes_hold(void **state)
+VALUES_TEST(clean_volumes_hold)
 {
-    (void)state;
     static const struct clean {
         iso_field_kind kind;
         bool oblique, is_signed;
@@ -171,9 +170,8 @@ static void shift_scalar(iso_pyramid *p, size_t level)
 }
 
 /* Each is seen in what is stored, and in the pictures of directions or values that are off by so much, too. */
-static void a_level_with_turned_directions_fails(void **state)
+TEST(a_level_with_turned_directions_fails)
 {
-    (void)state;
     subject s;
     open_subject(&s, ISO_FIELD_TUBES, "turned");
     turn_directions(&s.pyramid, 1);
@@ -189,9 +187,8 @@ static void a_level_with_turned_directions_fails(void **state)
     close_subject(&s);
 }
 
-static void a_level_with_a_shifted_scalar_fails(void **state)
+VALUES_TEST(a_level_with_a_shifted_scalar_fails)
 {
-    (void)state;
     subject s;
     open_subject(&s, ISO_FIELD_TUBES, "shifted");
     shift_scalar(&s.pyramid, 2);
@@ -205,9 +202,8 @@ static void a_level_with_a_shifted_scalar_fails(void **state)
 }
 
 /* No picture shows one value that is off by a ten-thousandth of the range: what is stored does. */
-static void one_value_that_is_slightly_off_fails(void **state)
+VALUES_TEST(one_value_that_is_slightly_off_fails)
 {
-    (void)state;
     subject s;
     open_subject(&s, ISO_FIELD_TUBES, "slightly");
     iso_level *l = &s.pyramid.levels[1];
@@ -223,9 +219,8 @@ static void one_value_that_is_slightly_off_fails(void **state)
 /* A thin plate whose first level got the tensor filter, which shades it worse than moments: pictures say that the
  * choice is wrong, and with which option it is right. Nothing fails, as the level is still nearer than gradients on the
  * fly. */
-static void a_wrong_choice_of_auto_is_named(void **state)
+VALUES_TEST(a_wrong_choice_of_auto_is_named)
 {
-    (void)state;
     subject s;
     iso_volume volume;
     const iso_geometry geometry = iso_geometry_axis_aligned((size_t[]){48, 48, 48}, (double[]){1, 1, 1});
@@ -280,9 +275,8 @@ static double bound_of(const subject *s, size_t level, size_t views)
 
 /* The bound is of the level that is drawn and knows nothing of the pictures: what is measured is below it, and a figure
  * above it, planted, fails by itself. */
-static void what_is_measured_is_held_to_its_bound(void **state)
+TEST(what_is_measured_is_held_to_its_bound)
 {
-    (void)state;
     subject s;
     const iso_geometry geometry = plain_geometry();
     const iso_field field = field_of(ISO_FIELD_TUBES, &geometry);
@@ -336,9 +330,8 @@ static iso_report_level row_with(const double own[], const double fly[], size_t 
     return row;
 }
 
-static void a_level_is_held_to_its_limit_and_to_the_simple_way(void **state)
+TEST(a_level_is_held_to_its_limit_and_to_the_simple_way)
 {
-    (void)state;
     const double own[] = {0.071, 0.081, 0.061, 0.071, 0.091, 0.051},
                  less[] = {0.067, 0.078, 0.056, 0.067, 0.0872, 0.047},
                  scatter[] = {0.051, 0.091, 0.061, 0.081, 0.061, 0.071},
@@ -380,9 +373,8 @@ static void a_level_is_held_to_its_limit_and_to_the_simple_way(void **state)
 
 /* The sentence names the figure that fails a level. Figures that contradict each other fail none: SSIM takes structures
  * that do not match for worse than none, so that a level that shows less may be nearer by it. */
-static void figures_that_contradict_each_other_decide_nothing(void **state)
+TEST(figures_that_contradict_each_other_decide_nothing)
 {
-    (void)state;
     const iso_report_about about = {.title = "mixed"};
     const double own[] = {0.071, 0.081, 0.061, 0.071, 0.091, 0.051},
                  less[] = {0.067, 0.078, 0.056, 0.067, 0.0872, 0.047};
@@ -403,9 +395,8 @@ static void figures_that_contradict_each_other_decide_nothing(void **state)
 }
 
 /* Student's t at 95 %, as every table has it; the interval of differences 1, 2, 3 is 2 +- 4.303 / sqrt(3). */
-static void intervals_are_students(void **state)
+TEST(intervals_are_students)
 {
-    (void)state;
     const double a[] = {2, 4, 6}, b[] = {1, 2, 3};
     const iso_paired p = iso_paired_compare(a, b, 3, 0.95);
     assert_within(iso_student_quantile(0.95, 2), 4.30265, 1e-5); /* the tables' digits */
@@ -419,9 +410,8 @@ static void intervals_are_students(void **state)
 }
 
 /* Two voxels of a block say what one says: groups of equal differences have the interval of one value each. */
-static void differences_that_scatter_together_count_once(void **state)
+TEST(differences_that_scatter_together_count_once)
 {
-    (void)state;
     const double twice[] = {1, 1, 2, 2, 3, 3};
     const size_t group[] = {4, 4, 0, 0, 2, 2}, alone[] = {1, 1, 1, 1, 1, 1};
     iso_paired p;
@@ -435,9 +425,8 @@ static void differences_that_scatter_together_count_once(void **state)
 }
 
 /* However far the directions are from level 0's: pictures decide. */
-static void angles_fail_no_level(void **state)
+TEST(angles_fail_no_level)
 {
-    (void)state;
     const double own[] = {0.07, 0.08, 0.06, 0.07, 0.09, 0.05}, better[] = {0.05, 0.06, 0.04, 0.05, 0.07, 0.03};
     iso_report_level row = row_with(own, own, 6, NAN);
     row.angle_deficit = (iso_paired){30, 4};
@@ -447,9 +436,8 @@ static void angles_fail_no_level(void **state)
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_DIFFER);
 }
 
-static void what_a_scene_asks_is_held_in_the_run(void **state)
+TEST(what_a_scene_asks_is_held_in_the_run)
 {
-    (void)state;
     iso_scene scene = make_scene();
     const iso_geometry geometry = plain_geometry();
     const iso_field field = field_of(ISO_FIELD_TUBES, &geometry);
@@ -464,9 +452,8 @@ static void what_a_scene_asks_is_held_in_the_run(void **state)
     close_subject(&s);
 }
 
-static void limits_are_read_by_level(void **state)
+TEST(limits_are_read_by_level)
 {
-    (void)state;
     const char *text =
         "{\"schema\": \"isoshade.scene/1\", \"camera\": {\"projection\": \"orthographic\", \"fit\": true, "
         "\"direction\": [0, 1, 0]}, \"lights\": [{\"direction\": [0, 0, 1], \"space\": \"camera\", \"intensity\": 0}], \"shading\": {\"ambient\": 1, \"diffuse\": 0}, \"tf\": {\"schema\": \"isoshade.tf/1\", \"range\": \"fit\", "
@@ -525,9 +512,8 @@ static void turn_along_x(iso_pyramid *p, size_t level, double degrees)
 
 /* A ramp along x, whose directions are along x; level 1's turn by 4 degrees a voxel. Between two voxels the sampled
  * direction turns evenly, to a thousandth of a degree, and before the first and behind the last it does not turn. */
-static void angles_are_those_of_the_place_and_in_degrees(void **state)
+TEST(angles_are_those_of_the_place_and_in_degrees)
 {
-    (void)state;
     enum { n = 20 };
     const double turn = 4;
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){n, 8, 8}, (double[]){1, 1, 1});
@@ -573,9 +559,8 @@ static void angles_are_those_of_the_place_and_in_degrees(void **state)
 
 /* The interval of two views is 12.7 standard errors to each side: turned directions are behind by the mean, and not
  * beyond that. Twenty views tell. */
-static void a_level_that_few_views_leave_open_is_judged_by_twenty(void **state)
+TEST(a_level_that_few_views_leave_open_is_judged_by_twenty)
 {
-    (void)state;
     subject s;
     for (int may = 0; may < 2; ++may) {
         open_subject(&s, ISO_FIELD_BALLS, may ? "judged" : "open");
@@ -594,9 +579,8 @@ static void a_level_that_few_views_leave_open_is_judged_by_twenty(void **state)
 }
 
 /* The quick run draws twenty views of what few say is behind, and of nothing else. */
-static void a_quick_run_confirms_what_would_fail(void **state)
+TEST(a_quick_run_confirms_what_would_fail)
 {
-    (void)state;
     for (int turned = 0; turned < 2; ++turned) {
         subject s;
         open_subject(&s, ISO_FIELD_BALLS, turned ? "confirmed" : "quick");
@@ -612,25 +596,4 @@ static void a_quick_run_confirms_what_would_fail(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(intervals_are_students),
-        cmocka_unit_test(differences_that_scatter_together_count_once),
-        cmocka_unit_test(angles_fail_no_level),
-        cmocka_unit_test(a_level_is_held_to_its_limit_and_to_the_simple_way),
-        cmocka_unit_test(figures_that_contradict_each_other_decide_nothing),
-        cmocka_values_test(a_wrong_choice_of_auto_is_named),
-        cmocka_unit_test(what_is_measured_is_held_to_its_bound),
-        cmocka_unit_test(limits_are_read_by_level),
-        cmocka_unit_test(angles_are_those_of_the_place_and_in_degrees),
-        cmocka_values_test(clean_volumes_hold),
-        cmocka_unit_test(a_level_with_turned_directions_fails),
-        cmocka_values_test(a_level_with_a_shifted_scalar_fails),
-        cmocka_values_test(one_value_that_is_slightly_off_fails),
-        cmocka_unit_test(what_a_scene_asks_is_held_in_the_run),
-        cmocka_unit_test(a_level_that_few_views_leave_open_is_judged_by_twenty),
-        cmocka_unit_test(a_quick_run_confirms_what_would_fail),
-    };
-    return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
-}
+TEST_MAIN(make_folder, end_renderers_and_folder)

@@ -65,9 +65,8 @@ static iso_scene *a_scene(void)
     return scene;
 }
 
-static void versions_agree(void **state)
+TEST(versions_agree)
 {
-    (void)state;
     char text[32];
     snprintf(text, sizeof text, "%d.%d.%d", ISO_VERSION_MAJOR, ISO_VERSION_MINOR, ISO_VERSION_PATCH);
     assert_string_equal(ISO_VERSION, text);
@@ -76,17 +75,15 @@ static void versions_agree(void **state)
     assert_int_equal(ISO_VERSION_NUMBER / 1000 % 1000, ISO_VERSION_MINOR);
 }
 
-static void statuses_have_texts(void **state)
+TEST(statuses_have_texts)
 {
-    (void)state;
     assert_string_equal(iso_status_text(ISO_E_IO), "a file could not be read or written");
     assert_string_equal(iso_status_text((iso_status)77), "unknown status");
 }
 
 /* Each list holds the defaults, ends, and has no name twice. */
-static void choices_are_listed(void **state)
+TEST(choices_are_listed)
 {
-    (void)state;
     const iso_build_options build = iso_build_defaults();
     const iso_frame_options frame = iso_frame_defaults();
     const struct {
@@ -117,9 +114,8 @@ static void choices_are_listed(void **state)
     assert_null(iso_choice_name((iso_choice)99, 0));
 }
 
-static void a_volume_is_what_memory_held(void **state)
+TEST(a_volume_is_what_memory_held)
 {
-    (void)state;
     iso_volume *volume = ramp();
     const iso_grid grid = iso_volume_grid(volume), made = ramp_grid();
     double spacing_mm[3];
@@ -133,9 +129,8 @@ static void a_volume_is_what_memory_held(void **state)
     iso_volume_free(NULL);
 }
 
-static void a_level_is_read_in_place(void **state)
+TEST(a_level_is_read_in_place)
 {
-    (void)state;
     iso_pyramid *pyramid = ramp_pyramid(true);
     iso_level_view level;
     assert_int_equal(iso_pyramid_level_count(pyramid), 3);
@@ -157,9 +152,8 @@ static void a_level_is_read_in_place(void **state)
     iso_pyramid_free(NULL);
 }
 
-static void directions_of_a_level_are_decoded(void **state)
+TEST(directions_of_a_level_are_decoded)
 {
-    (void)state;
     iso_pyramid *pyramid = ramp_pyramid(false);
     iso_level_view level;
     assert_ok(iso_pyramid_level(pyramid, 1, &level, &err));
@@ -179,9 +173,8 @@ static void directions_of_a_level_are_decoded(void **state)
     iso_pyramid_free(pyramid);
 }
 
-static void directions_survive_each_code(void **state)
+TEST(directions_survive_each_code)
 {
-    (void)state;
     const float d[6] = {0.6f, 0, -0.8f, 0.48f, 0.6f, 0.64f};
     const char *code;
     for (size_t i = 0; (code = iso_choice_name(ISO_CHOICE_CODE, i)); ++i) {
@@ -200,9 +193,8 @@ static void directions_survive_each_code(void **state)
     assert_int_equal(iso_directions_bytes("no such code"), 0);
 }
 
-static void a_pyramid_is_saved_and_opened(void **state)
+TEST(a_pyramid_is_saved_and_opened)
 {
-    (void)state;
     iso_pyramid *made = ramp_pyramid(false), *opened = NULL;
     char path[512];
     snprintf(path, sizeof path, "%s/ramp.iso", folder);
@@ -220,9 +212,8 @@ static void a_pyramid_is_saved_and_opened(void **state)
     iso_pyramid_free(opened);
 }
 
-static void a_volume_is_saved_and_opened(void **state)
+TEST(a_volume_is_saved_and_opened)
 {
-    (void)state;
     iso_volume *made = ramp(), *opened = NULL;
     char path[512];
     snprintf(path, sizeof path, "%s/ramp.nrrd", folder);
@@ -234,9 +225,8 @@ static void a_volume_is_saved_and_opened(void **state)
     iso_volume_free(opened);
 }
 
-static void a_tf_is_evaluated_and_saved(void **state)
+TEST(a_tf_is_evaluated_and_saved)
 {
-    (void)state;
     const iso_tf_point points[] = {{0, {0, 0, 0}, 0}, {10, {1, 0.5, 0.25}, 0.5}};
     const double values[] = {-5, 5, 10, 99};
     double entries[4][4], again[4][4];
@@ -261,9 +251,8 @@ static void a_tf_is_evaluated_and_saved(void **state)
     iso_pyramid_free(pyramid);
 }
 
-static void an_adapted_tf_renders(void **state)
+TEST(an_adapted_tf_renders)
 {
-    (void)state;
     iso_pyramid *pyramid = ramp_pyramid(false);
     iso_scene *scene = a_scene();
     iso_tf *tf = NULL, *adapted = NULL;
@@ -297,9 +286,8 @@ static void an_adapted_tf_renders(void **state)
 }
 
 /* A constant medium seen along an axis: alpha is 1 - exp(-sigma depth), and does not depend on the step. */
-static void a_slab_has_its_closed_form(void **state)
+TEST(a_slab_has_its_closed_form)
 {
-    (void)state;
     const iso_grid grid = iso_grid_axis_aligned((size_t[3]){4, 6, 5}, (double[3]){1, 0.5, 1});
     uint8_t samples[4 * 6 * 5];
     memset(samples, 200, sizeof samples);
@@ -328,9 +316,8 @@ static void a_slab_has_its_closed_form(void **state)
     iso_volume_free(volume);
 }
 
-static void a_vdb_is_exported(void **state)
+TEST(a_vdb_is_exported)
 {
-    (void)state;
     iso_pyramid *pyramid = ramp_pyramid(false);
     char path[512];
     snprintf(path, sizeof path, "%s/ramp.vdb", folder);
@@ -343,9 +330,8 @@ static void a_vdb_is_exported(void **state)
     iso_pyramid_free(pyramid);
 }
 
-static void a_povray_scene_is_exported(void **state)
+TEST(a_povray_scene_is_exported)
 {
-    (void)state;
     iso_pyramid *pyramid = ramp_pyramid(false);
     iso_scene *scene = a_scene();
     char path[512], file_path[600];
@@ -367,9 +353,8 @@ static bool progress_is_told(void *user, const char *stage, double fraction)
     return true;
 }
 
-static void work_reports_its_progress(void **state)
+TEST(work_reports_its_progress)
 {
-    (void)state;
     int calls = 0;
     iso_volume *volume = ramp();
     iso_pyramid *pyramid = NULL;
@@ -406,9 +391,8 @@ static size_t file_count(void)
     return count > 0 ? (size_t)count : 0;
 }
 
-static void canceled_work_leaves_nothing(void **state)
+TEST(canceled_work_leaves_nothing)
 {
-    (void)state;
     iso_volume *volume = ramp();
     iso_pyramid *pyramid = ramp_pyramid(false), *other = pyramid;
     iso_scene *scene = a_scene();
@@ -453,9 +437,8 @@ static void canceled_work_leaves_nothing(void **state)
 }
 
 /* The parent has threads, which a child does not inherit: without care it waits for them, until the alarm. */
-static void a_forked_child_works_on(void **state)
+TEST(a_forked_child_works_on)
 {
-    (void)state;
     iso_pyramid *pyramid = ramp_pyramid(false);
     iso_scene *scene = a_scene();
     iso_frame_options o = iso_frame_defaults();
@@ -478,9 +461,8 @@ static void a_forked_child_works_on(void **state)
 }
 
 /* Sample (x, y, z) of an array of 3 x 2 x 2 is x + 10 y + 100 z, in each type that arrays have. */
-static void arrays_of_any_type_and_order_are_taken(void **state)
+TEST(arrays_of_any_type_and_order_are_taken)
 {
-    (void)state;
     static const int16_t backward[] = {112, 111, 110, 102, 101, 100, 12, 11, 10, 2, 1, 0}; /* last to first */
     static const int64_t spread[] = {0, 100, 10, 110, 1, 101, 11, 111, 2, 102, 12, 112};   /* z fastest, then y */
     static const uint16_t halves[] = {0x0000, 0x3c00, 0x4000, 0x4900, 0x4980, 0x4a00,
@@ -512,9 +494,8 @@ static void arrays_of_any_type_and_order_are_taken(void **state)
     iso_volume_free(volume);
 }
 
-static void a_raw_file_is_opened_by_its_options(void **state)
+TEST(a_raw_file_is_opened_by_its_options)
 {
-    (void)state;
     char path[512];
     iso_volume *volume;
     float values[6];
@@ -541,9 +522,8 @@ static void a_raw_file_is_opened_by_its_options(void **state)
     iso_volume_free(volume);
 }
 
-static void a_scene_is_made_changed_and_written(void **state)
+TEST(a_scene_is_made_changed_and_written)
 {
-    (void)state;
     iso_pyramid *pyramid = ramp_pyramid(false);
     iso_scene *scene, *again;
     iso_tf *tf, *other;
@@ -589,9 +569,8 @@ static void assert_holds(const char *path, const unsigned char *bytes, size_t si
     fclose(file);
 }
 
-static void images_in_memory_are_those_of_files(void **state)
+TEST(images_in_memory_are_those_of_files)
 {
-    (void)state;
     iso_image image;
     unsigned char *bytes;
     size_t size;
@@ -614,9 +593,8 @@ static void images_in_memory_are_those_of_files(void **state)
     assert_null(bytes);
 }
 
-static void a_page_is_one_text(void **state)
+TEST(a_page_is_one_text)
 {
-    (void)state;
     iso_pyramid *pyramid = ramp_pyramid(false);
     char *html;
     assert_ok(iso_view_page(pyramid, NULL, &(iso_page_options){.title = "a ramp"}, &html, &err));
@@ -638,9 +616,8 @@ static void a_page_is_one_text(void **state)
     } while (0)
 /* clang-format on */
 
-static void missing_files_are_named(void **state)
+TEST(missing_files_are_named)
 {
-    (void)state;
     iso_volume *volume = (iso_volume *)state;
     iso_pyramid *pyramid = (iso_pyramid *)state;
     iso_tf *tf = (iso_tf *)state;
@@ -659,9 +636,8 @@ static void missing_files_are_named(void **state)
     assert_int_equal(iso_volume_open("/no/such.nrrd", &volume, NULL), ISO_E_IO); /* without a message */
 }
 
-static void bad_volumes_are_refused(void **state)
+TEST(bad_volumes_are_refused)
 {
-    (void)state;
     iso_volume *volume;
     const float samples[2] = {1, INFINITY}, absent[2] = {NAN, NAN};
     iso_grid grid = iso_grid_axis_aligned((size_t[3]){2, 1, 1}, (double[3]){1, 1, 1});
@@ -678,9 +654,8 @@ static void bad_volumes_are_refused(void **state)
     assert_null(volume);
 }
 
-static void bad_options_are_refused(void **state)
+TEST(bad_options_are_refused)
 {
-    (void)state;
     iso_volume *volume = ramp();
     iso_pyramid *pyramid;
     iso_build_options build = iso_build_defaults();
@@ -732,9 +707,8 @@ static void bad_options_are_refused(void **state)
     iso_volume_free(volume);
 }
 
-static void levels_that_are_not_there_are_refused(void **state)
+TEST(levels_that_are_not_there_are_refused)
 {
-    (void)state;
     iso_pyramid *pyramid = ramp_pyramid(false);
     iso_level_view view;
     iso_tf *tf = NULL, *adapted;
@@ -750,9 +724,8 @@ static void levels_that_are_not_there_are_refused(void **state)
     iso_pyramid_free(pyramid);
 }
 
-static void bad_points_are_refused(void **state)
+TEST(bad_points_are_refused)
 {
-    (void)state;
     iso_tf *tf;
     const iso_tf_point falling[] = {{1, {0, 0, 0}, 0}, {0, {0, 0, 0}, 0}},
                        bright[] = {{0, {0, 0, 0}, 0}, {1, {0, 2, 0}, 0}},
@@ -778,9 +751,8 @@ static double length_of(const float *d)
 /* Of three bytes all 2^24, of six (half floats) each number in each place. No direction is longer than it may be, and
  * each is one that can be encoded again; what is no lattice vector's own code may come back as another that is as
  * near. */
-static void each_code_decodes_to_a_direction(void **state)
+TEST(each_code_decodes_to_a_direction)
 {
-    (void)state;
     static const char *const codes[] = {"snorm",    "fit",     "shell", "free", "cube",
                                         "region48", "oct24", "half"};
     enum { BATCH = 1 << 16, APART = 251 };
@@ -826,9 +798,8 @@ static void each_code_decodes_to_a_direction(void **state)
     free(back);
 }
 
-static void bad_directions_are_refused(void **state)
+TEST(bad_directions_are_refused)
 {
-    (void)state;
     const float d[6] = {1, 0, 0, 1, 1, 0}, nan[3] = {NAN, 0, 0};
     uint8_t bytes[6];
     float back[6];
@@ -838,9 +809,8 @@ static void bad_directions_are_refused(void **state)
     assert_fails(iso_directions_decode("none", bytes, 1, back, &err), ISO_E_USAGE, "none");
 }
 
-static void bad_scenes_are_refused(void **state)
+TEST(bad_scenes_are_refused)
 {
-    (void)state;
     iso_scene *scene;
     assert_fails(iso_scene_from_text("{", &scene, &err), ISO_E_FORMAT, "not JSON");
     assert_fails(iso_scene_from_text("[]", &scene, &err), ISO_E_FORMAT, "object");
@@ -849,9 +819,8 @@ static void bad_scenes_are_refused(void **state)
     assert_null(scene);
 }
 
-static void images_of_other_sizes_are_not_compared(void **state)
+TEST(images_of_other_sizes_are_not_compared)
 {
-    (void)state;
     iso_image a, b;
     iso_metrics m;
     assert_ok(iso_image_create(&a, 4, 4, &err));
@@ -861,40 +830,4 @@ static void images_of_other_sizes_are_not_compared(void **state)
     iso_image_destroy(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(versions_agree),
-        cmocka_unit_test(statuses_have_texts),
-        cmocka_unit_test(choices_are_listed),
-        cmocka_unit_test(a_volume_is_what_memory_held),
-        cmocka_unit_test(a_level_is_read_in_place),
-        cmocka_unit_test(directions_of_a_level_are_decoded),
-        cmocka_unit_test(directions_survive_each_code),
-        cmocka_unit_test(a_pyramid_is_saved_and_opened),
-        cmocka_unit_test(a_volume_is_saved_and_opened),
-        cmocka_unit_test(a_tf_is_evaluated_and_saved),
-        cmocka_unit_test(an_adapted_tf_renders),
-        cmocka_unit_test(a_slab_has_its_closed_form),
-        cmocka_unit_test(a_vdb_is_exported),
-        cmocka_unit_test(a_povray_scene_is_exported),
-        cmocka_unit_test(work_reports_its_progress),
-        cmocka_unit_test(canceled_work_leaves_nothing),
-        cmocka_unit_test(a_forked_child_works_on),
-        cmocka_unit_test(arrays_of_any_type_and_order_are_taken),
-        cmocka_unit_test(a_raw_file_is_opened_by_its_options),
-        cmocka_unit_test(a_scene_is_made_changed_and_written),
-        cmocka_unit_test(images_in_memory_are_those_of_files),
-        cmocka_unit_test(a_page_is_one_text),
-        cmocka_unit_test(missing_files_are_named),
-        cmocka_unit_test(bad_volumes_are_refused),
-        cmocka_unit_test(bad_options_are_refused),
-        cmocka_unit_test(levels_that_are_not_there_are_refused),
-        cmocka_unit_test(bad_points_are_refused),
-        cmocka_unit_test(each_code_decodes_to_a_direction),
-        cmocka_unit_test(bad_directions_are_refused),
-        cmocka_unit_test(bad_scenes_are_refused),
-        cmocka_unit_test(images_of_other_sizes_are_not_compared),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -116,9 +116,8 @@ static double off_the_formula(const subject *s, const subject *rendered)
     return off;
 }
 
-static void the_reference_meets_the_closed_form(void **state)
+TEST(the_reference_meets_the_closed_form)
 {
-    (void)state;
     const iso_field_kind kinds[] = {ISO_FIELD_CONSTANT, ISO_FIELD_RAMP};
     for (int k = 0; k < 2; ++k) {
         subject s = open_subject(kinds[k], false, false);
@@ -128,9 +127,8 @@ static void the_reference_meets_the_closed_form(void **state)
 }
 
 /* The formula knows place, unit, range, gradient and light. */
-static void planted_faults_miss_the_closed_form(void **state)
+TEST(planted_faults_miss_the_closed_form)
 {
-    (void)state;
     const iso_fault faults[] = {ISO_FAULT_HALF_VOXEL, ISO_FAULT_MIRRORED,  ISO_FAULT_STALE, ISO_FAULT_UNIT,
                                 ISO_FAULT_RANGE,      ISO_FAULT_AXIS_SWAP, ISO_FAULT_LIGHT, ISO_FAULT_ONE_SIDED};
     subject s = open_subject(ISO_FIELD_RAMP, false, false);
@@ -145,9 +143,8 @@ static void planted_faults_miss_the_closed_form(void **state)
     close_subject(&s);
 }
 
-static void a_closed_form_is_refused_where_there_is_none(void **state)
+TEST(a_closed_form_is_refused_where_there_is_none)
 {
-    (void)state;
     iso_image image;
     iso_error why = {""};
     subject bent = open_subject(ISO_FIELD_SPHERE, false, false), colorful = open_subject(ISO_FIELD_RAMP, true, false);
@@ -163,9 +160,8 @@ static void a_closed_form_is_refused_where_there_is_none(void **state)
     close_subject(&colorful);
 }
 
-static void the_ray_caster_has_the_reference_for_its_limit(void **state)
+TEST(the_ray_caster_has_the_reference_for_its_limit)
 {
-    (void)state;
     char gate[64];
     for (int sharp = 0; sharp < 2; ++sharp) {
         subject s = open_subject(ISO_FIELD_NOISE, true, sharp);
@@ -177,9 +173,8 @@ static void the_ray_caster_has_the_reference_for_its_limit(void **state)
 }
 
 /* A wrong image converges as nicely as a right one, but elsewhere: the error does not fall. */
-static void planted_faults_move_the_limit_out_of_its_bars(void **state)
+TEST(planted_faults_move_the_limit_out_of_its_bars)
 {
-    (void)state;
     const iso_fault faults[] = {ISO_FAULT_HALF_VOXEL, ISO_FAULT_UNIT,      ISO_FAULT_SRGB,
                                 ISO_FAULT_RANGE,      ISO_FAULT_AXIS_SWAP, ISO_FAULT_LIGHT,
                                 ISO_FAULT_ONE_SIDED,  ISO_FAULT_STALE,     ISO_FAULT_MIRRORED};
@@ -218,9 +213,8 @@ static iso_verdict judge_from_afar(const subject *s, const iso_image *truth, boo
 }
 
 /* From a thousandth of a percent to a factor: what is given up is what would be rejected at the last step, too. */
-static void what_is_hopeless_would_be_rejected_in_the_end(void **state)
+TEST(what_is_hopeless_would_be_rejected_in_the_end)
 {
-    (void)state;
     size_t sooner = 0, agreed = 0;
     double samples = 0, samples_to_the_end = 0; /* of what differs */
     for (int sharp = 0; sharp < 2; ++sharp) {
@@ -250,9 +244,8 @@ static void what_is_hopeless_would_be_rejected_in_the_end(void **state)
 }
 
 /* Where the TF's step is not resolved, the bars of a smooth TF are not reached, and the row says so. */
-static void a_sharp_tf_that_is_called_smooth_is_told(void **state)
+TEST(a_sharp_tf_that_is_called_smooth_is_told)
 {
-    (void)state;
     subject s = open_subject(ISO_FIELD_NOISE, true, true);
     for (size_t i = 3; i < 4 * s.view.tf.count; i += 4)
         s.view.tf.entries[i] *= 60; /* the first sample inside decides */
@@ -272,9 +265,8 @@ static void a_sharp_tf_that_is_called_smooth_is_told(void **state)
     close_subject(&s);
 }
 
-static void wide_bars_are_halved_until_they_are_narrow(void **state)
+TEST(wide_bars_are_halved_until_they_are_narrow)
 {
-    (void)state;
     subject s = open_subject(ISO_FIELD_NOISE, true, false);
     iso_image truth = reference(&s);
     iso_extrapolated coarse, fine;
@@ -302,9 +294,8 @@ static void wide_bars_are_halved_until_they_are_narrow(void **state)
 
 /* RMSE may hold while structure does not: where both are asked for, halving goes on. Without that (the planted fault,
  * and what a shell of a coarse level once showed) the row of a lit scene differs, though a finer step would do. */
-static void halving_goes_on_until_a_person_would_not_see_it(void **state)
+TEST(halving_goes_on_until_a_person_would_not_see_it)
 {
-    (void)state;
     subject s = open_subject(ISO_FIELD_NOISE, true, true);
     iso_image truth = reference(&s);
     iso_extrapolated blind, seeing;
@@ -328,9 +319,8 @@ static void halving_goes_on_until_a_person_would_not_see_it(void **state)
 
 /* Where nothing rounds by more than 7.6e-6 of the peak, 1.8e-5 in every pixel is a fault, though it would be none in
  * one. A white background doubles what is rounded; what POV-Ray draws before it is right. */
-static void an_offset_of_the_whole_image_fails_povrays_lock_step(void **state)
+TEST(an_offset_of_the_whole_image_fails_povrays_lock_step)
 {
-    (void)state;
     for (int white = 0; white < 2; ++white) {
         subject s = open_subject(ISO_FIELD_NOISE, true, false);
         iso_render_options opt = iso_render_defaults(&iso_renderer_povray), same;
@@ -360,9 +350,8 @@ static void an_offset_of_the_whole_image_fails_povrays_lock_step(void **state)
 }
 
 /* POV-Ray's pair: the planes stay, the intervals halve, and the finer step is what was asked for or less. */
-static void povrays_pair_halves_the_intervals_between_the_same_planes(void **state)
+TEST(povrays_pair_halves_the_intervals_between_the_same_planes)
 {
-    (void)state;
     subject s = open_subject(ISO_FIELD_CONSTANT, false, false);
     const iso_geometry *g = &s.pyramid.levels[0].geometry;
     const double chord = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(g);
@@ -382,9 +371,8 @@ static void povrays_pair_halves_the_intervals_between_the_same_planes(void **sta
 }
 
 /* What a report says of a limit is enough to make it again, whatever steps it was halved from. */
-static void a_limit_is_made_again_from_what_is_said_of_it(void **state)
+TEST(a_limit_is_made_again_from_what_is_said_of_it)
 {
-    (void)state;
     static const iso_renderer_info *const which[] = {&iso_renderer_gl, &iso_renderer_povray};
     subject s = open_subject(ISO_FIELD_NOISE, true, false);
     iso_image truth = reference(&s);
@@ -414,9 +402,8 @@ static void a_limit_is_made_again_from_what_is_said_of_it(void **state)
 }
 
 /* What people see when the images alternate, though their RMSE is allowed: FLIP and 1 - SSIM are asked for too. */
-static void lit_images_that_look_different_differ(void **state)
+TEST(lit_images_that_look_different_differ)
 {
-    (void)state;
     const struct {
         double flip, ssim_dissimilarity;
         iso_verdict verdict;
@@ -434,22 +421,4 @@ static void lit_images_that_look_different_differ(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_reference_meets_the_closed_form),
-        cmocka_unit_test(planted_faults_miss_the_closed_form),
-        cmocka_unit_test(a_closed_form_is_refused_where_there_is_none),
-        cmocka_unit_test(the_ray_caster_has_the_reference_for_its_limit),
-        cmocka_unit_test(planted_faults_move_the_limit_out_of_its_bars),
-        cmocka_unit_test(what_is_hopeless_would_be_rejected_in_the_end),
-        cmocka_unit_test(a_sharp_tf_that_is_called_smooth_is_told),
-        cmocka_unit_test(wide_bars_are_halved_until_they_are_narrow),
-        cmocka_unit_test(halving_goes_on_until_a_person_would_not_see_it),
-        cmocka_unit_test(a_limit_is_made_again_from_what_is_said_of_it),
-        cmocka_unit_test(an_offset_of_the_whole_image_fails_povrays_lock_step),
-        cmocka_unit_test(povrays_pair_halves_the_intervals_between_the_same_planes),
-        cmocka_unit_test(lit_images_that_look_different_differ),
-    };
-    return cmocka_run_group_tests(tests, NULL, end_renderers);
-}
+TEST_MAIN(NULL, end_renderers)

@@ -48,9 +48,8 @@ static void has(const char *text, const char *line)
         fail_msg("\"%s\" is missing in:\n%s", line, text);
 }
 
-static void a_summary_says_what_failed_and_why(void **state)
+TEST(a_summary_says_what_failed_and_why)
 {
-    (void)state;
     char *text = summary_of(report("shells"), "out/index.html");
     has(text, "### ❌ isoshade validate: shells\n");
     has(text, "\nThey do not agree.\n");
@@ -64,9 +63,8 @@ static void a_summary_says_what_failed_and_why(void **state)
     free(text);
 }
 
-static void a_name_is_no_markup(void **state)
+TEST(a_name_is_no_markup)
 {
-    (void)state;
     char *text = summary_of(report("<b>|x `y` [z](w) *v* @u &amp; #1\n| a |"), "a b|(c).html");
     has(text,
         "| &#60;b&#62;&#124;x &#96;y&#96; &#91;z&#93;(w) &#42;v&#42; &#64;u &#38;amp; &#35;1 &#124; a &#124; | 2 |");
@@ -75,9 +73,8 @@ static void a_name_is_no_markup(void **state)
     free(text);
 }
 
-static void a_report_that_agrees_has_no_table_of_failures(void **state)
+TEST(a_report_that_agrees_has_no_table_of_failures)
 {
-    (void)state;
     json_t *root = report("shells");
     json_object_set_new(root, "verdict", json_string("agree"));
     json_array_clear(json_object_get(root, "agreement"));
@@ -90,9 +87,8 @@ static void a_report_that_agrees_has_no_table_of_failures(void **state)
     free(text);
 }
 
-static void long_tables_end_and_say_so(void **state)
+TEST(long_tables_end_and_say_so)
 {
-    (void)state;
     json_t *root = report("shells"), *rows = json_object_get(root, "agreement");
     for (int i = 0; i < 50; ++i)
         json_array_append(rows, json_array_get(rows, 0));
@@ -101,13 +97,4 @@ static void long_tables_end_and_say_so(void **state)
     free(text);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_summary_says_what_failed_and_why),
-        cmocka_unit_test(a_name_is_no_markup),
-        cmocka_unit_test(a_report_that_agrees_has_no_table_of_failures),
-        cmocka_unit_test(long_tables_end_and_say_so),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -45,9 +45,8 @@ static void expect_back(const char *text)
     free(page);
 }
 
-static void any_text_comes_back(void **state)
+TEST(any_text_comes_back)
 {
-    (void)state;
     static const char letters[] = "ab&<>\"'`;=#/-!]x \\$%{}@";
     iso_random random = {11};
     expect_back("x\" onfocus=\"alert(1)");
@@ -64,9 +63,8 @@ static void any_text_comes_back(void **state)
     }
 }
 
-static void control_characters_become_spaces(void **state)
+TEST(control_characters_become_spaces)
 {
-    (void)state;
     char *page = page_of("a\033[31m\001b\xc2\x9b\x31m\xc3\x9b");
     assert_non_null(strstr(page, "a [31m b 1m\xc3\x9b"));
     assert_null(strchr(page, '\033'));
@@ -74,11 +72,4 @@ static void control_characters_become_spaces(void **state)
     free(page);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_text_comes_back),
-        cmocka_unit_test(control_characters_become_spaces),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

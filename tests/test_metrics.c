@@ -9,9 +9,8 @@
 #include "compare/ssim.h"
 #include "metrics_images.h"
 
-static void equal_images_have_no_difference(void **state)
+TEST(equal_images_have_no_difference)
 {
-    (void)state;
     iso_image a = textured(33, 21, 1);
     iso_metrics m = measure(&a, &a);
     assert_true(m.rmse == 0 && m.max_abs == 0 && m.p99_abs == 0 && m.flip_mean == 0 && isinf(m.psnr_db));
@@ -20,9 +19,8 @@ static void equal_images_have_no_difference(void **state)
     iso_image_destroy(&a);
 }
 
-static void one_changed_channel_gives_the_closed_form(void **state)
+TEST(one_changed_channel_gives_the_closed_form)
 {
-    (void)state;
     iso_image a = uniform(20, 30, 0.25f, 0.25f, 0.25f), b = copy(&a);
     b.rgba[4 * (7 * 20 + 13) + 2] = 0.75f;
     iso_metrics m = measure(&a, &b);
@@ -39,9 +37,8 @@ static void one_changed_channel_gives_the_closed_form(void **state)
     iso_image_destroy(&b);
 }
 
-static void alpha_counts_as_a_channel(void **state)
+TEST(alpha_counts_as_a_channel)
 {
-    (void)state;
     iso_image a = uniform(12, 12, 0.5f, 0.5f, 0.5f), b = copy(&a);
     b.rgba[3] = 0.5f;
     iso_metrics m = measure(&a, &b);
@@ -56,9 +53,8 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void p99_is_the_value_that_a_sort_finds(void **state)
+TEST(p99_is_the_value_that_a_sort_finds)
 {
-    (void)state;
     const size_t sizes[][2] = {{1, 1}, {7, 13}, {20, 20}, {10, 10}, {37, 29}};
     for (size_t s = 0; s < 5; ++s)
         for (uint32_t seed = 1; seed < 6; ++seed) {
@@ -77,9 +73,8 @@ static void p99_is_the_value_that_a_sort_finds(void **state)
         }
 }
 
-static void nonfinite_pixels_are_counted_and_never_agree(void **state)
+TEST(nonfinite_pixels_are_counted_and_never_agree)
 {
-    (void)state;
     const float bad[] = {NAN, INFINITY, -INFINITY};
     for (int k = 0; k < 3; ++k)
         for (int c = 0; c < 4; ++c)
@@ -102,9 +97,8 @@ static void nonfinite_pixels_are_counted_and_never_agree(void **state)
             }
 }
 
-static void empty_images_and_different_sizes_are_refused(void **state)
+TEST(empty_images_and_different_sizes_are_refused)
 {
-    (void)state;
     iso_image none = {0}, a = uniform(4, 6, 0, 0, 0), b = uniform(6, 4, 0, 0, 0), out = {0};
     iso_metrics m;
     double mean;
@@ -127,9 +121,8 @@ static void empty_images_and_different_sizes_are_refused(void **state)
 }
 
 /* As the windows of EXR files put them: the same pixels, elsewhere. */
-static void images_that_begin_elsewhere_are_refused(void **state)
+TEST(images_that_begin_elsewhere_are_refused)
 {
-    (void)state;
     iso_image a = uniform(4, 6, 0, 0, 0), b = uniform(4, 6, 0, 0, 0);
     iso_metrics m;
     assert_ok(iso_metrics_measure(&a, &b, &m, &err));
@@ -142,9 +135,8 @@ static void images_that_begin_elsewhere_are_refused(void **state)
     iso_image_destroy(&b);
 }
 
-static void each_limit_binds_alone(void **state)
+TEST(each_limit_binds_alone)
 {
-    (void)state;
     iso_metrics m = {.rmse = 2, .max_abs = 3, .p99_abs = 4, .psnr_db = 5, .ssim = 0.4, .flip_mean = 0.5};
     iso_tolerances all = {2, 3, 4, 0.6, 0.5};
     assert_true(iso_metrics_within(&m, &all));
@@ -160,9 +152,8 @@ static void each_limit_binds_alone(void **state)
 }
 
 /* Eq. 13 with variances 0: only the luminance term is left. */
-static void ssim_of_uniform_images_is_the_luminance_term(void **state)
+TEST(ssim_of_uniform_images_is_the_luminance_term)
 {
-    (void)state;
     iso_image a = uniform(24, 18, 1, 1, 1), b = uniform(24, 18, 0, 0, 0);
     double mean;
     assert_ok(iso_ssim_mean(&a, &b, &mean, &err));
@@ -186,9 +177,8 @@ static void set_gray(iso_image *image, size_t x, size_t y, double v)
 /* A checkerboard m + s A, s = 1 or -1, and m + d + s B: under the window the mean of s is q = +-S^2, S the alternating
  * sum of the taps, so that Eq. 13 has its means m + q A and m + d + q B, variances (1 - q^2) of A^2 and B^2 and
  * covariance of A B. */
-static void ssim_of_shifted_and_stretched_contrast_is_the_closed_form(void **state)
+TEST(ssim_of_shifted_and_stretched_contrast_is_the_closed_form)
 {
-    (void)state;
     enum { n = 21 };
     const struct {
         double m, d, amplitude_a, amplitude_b;
@@ -226,9 +216,8 @@ static void ssim_of_shifted_and_stretched_contrast_is_the_closed_form(void **sta
 
 /* One white pixel against black shows each tap of the window by itself: mean w, variance w - w^2, and nothing beyond 5
  * pixels. */
-static void ssim_of_a_single_pixel_shows_the_window(void **state)
+TEST(ssim_of_a_single_pixel_shows_the_window)
 {
-    (void)state;
     enum { n = 31 };
     iso_image a = uniform(n, n, 0, 0, 0), b = uniform(n, n, 0, 0, 0);
     double taps[11], sum = 0, mean, expected = 0;
@@ -247,9 +236,8 @@ static void ssim_of_a_single_pixel_shows_the_window(void **state)
 }
 
 /* x alternates by rows of a period of 2; y = 1 - x: means equal in the limit, covariance = -variance. */
-static void ssim_of_an_inverted_pattern_is_negative(void **state)
+TEST(ssim_of_an_inverted_pattern_is_negative)
 {
-    (void)state;
     iso_image a = uniform(31, 31, 0, 0, 0), b = uniform(31, 31, 0, 0, 0);
     for (size_t y = 0; y < 31; ++y)
         for (size_t x = 0; x < 31; ++x)
@@ -300,9 +288,8 @@ static double direct_ssim(const iso_image *a, const iso_image *b, size_t cx, siz
            ((mean[0] * mean[0] + mean[1] * mean[1] + 1e-4) * (var[0] + var[1] + 9e-4));
 }
 
-static void ssim_is_the_mean_of_its_definition(void **state)
+TEST(ssim_is_the_mean_of_its_definition)
 {
-    (void)state;
     iso_image a = textured(23, 17, 3), b = textured(23, 17, 99);
     double mean, sum = 0;
     assert_ok(iso_ssim_mean(&a, &b, &mean, &err));
@@ -315,9 +302,8 @@ static void ssim_is_the_mean_of_its_definition(void **state)
     iso_image_destroy(&b);
 }
 
-static void ssim_of_the_foreground_leaves_out_what_both_images_leave_empty(void **state)
+TEST(ssim_of_the_foreground_leaves_out_what_both_images_leave_empty)
 {
-    (void)state;
     iso_image a = textured(23, 17, 3), b = textured(23, 17, 99);
     double mean, sum = 0, all;
     size_t count = 0;
@@ -344,9 +330,8 @@ static void ssim_of_the_foreground_leaves_out_what_both_images_leave_empty(void 
 }
 
 /* Faults that a renderer may have; tolerances as the reference scenes use them must reject each. */
-static void planted_faults_are_rejected(void **state)
+TEST(planted_faults_are_rejected)
 {
-    (void)state;
     enum { n = 48 };
     iso_image a = textured(n, n, 11);
     const iso_tolerances tolerances = {.rmse = 1e-3, .max_abs = 1e-2, .flip_mean = 5e-3, .ssim_dissimilarity = 5e-3};
@@ -379,9 +364,8 @@ static void planted_faults_are_rejected(void **state)
     iso_image_destroy(&a);
 }
 
-static void difference_image_is_scaled_to_its_largest(void **state)
+TEST(difference_image_is_scaled_to_its_largest)
 {
-    (void)state;
     iso_image a = uniform(5, 4, 0.5f, 0.5f, 0.5f), b = copy(&a), d;
     b.rgba[4 * 7 + 1] = 0.75f;
     b.rgba[4 * 9 + 2] = 0.375f;
@@ -396,25 +380,4 @@ static void difference_image_is_scaled_to_its_largest(void **state)
     iso_image_destroy(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equal_images_have_no_difference),
-        cmocka_unit_test(one_changed_channel_gives_the_closed_form),
-        cmocka_unit_test(alpha_counts_as_a_channel),
-        cmocka_unit_test(p99_is_the_value_that_a_sort_finds),
-        cmocka_unit_test(nonfinite_pixels_are_counted_and_never_agree),
-        cmocka_unit_test(empty_images_and_different_sizes_are_refused),
-        cmocka_unit_test(images_that_begin_elsewhere_are_refused),
-        cmocka_unit_test(each_limit_binds_alone),
-        cmocka_unit_test(ssim_of_uniform_images_is_the_luminance_term),
-        cmocka_unit_test(ssim_of_shifted_and_stretched_contrast_is_the_closed_form),
-        cmocka_unit_test(ssim_of_a_single_pixel_shows_the_window),
-        cmocka_unit_test(ssim_of_an_inverted_pattern_is_negative),
-        cmocka_unit_test(ssim_is_the_mean_of_its_definition),
-        cmocka_unit_test(ssim_of_the_foreground_leaves_out_what_both_images_leave_empty),
-        cmocka_unit_test(planted_faults_are_rejected),
-        cmocka_unit_test(difference_image_is_scaled_to_its_largest),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

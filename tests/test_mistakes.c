@@ -26,9 +26,8 @@ static bool holds(const iso_mistakes *found, size_t number)
     return false;
 }
 
-static void mistakes_are_named(void **state)
+TEST(mistakes_are_named)
 {
-    (void)state;
     for (size_t m = 0; m < iso_mistake_count(); m += 4) { /* check_external.sh has others */
         iso_mistakes found;
         look(&m, 1, &found);
@@ -48,9 +47,8 @@ static size_t number_of(const char *words)
     return 0;
 }
 
-static void pairs_are_named(void **state)
+TEST(pairs_are_named)
 {
-    (void)state;
     static const char *const pairs[][2] = {{"half a voxel off along x", "10 % more length"},
                                            {"multiplied by alpha twice", "lit on one side"},
                                            {"red and blue", "the bottom one"}};
@@ -65,9 +63,8 @@ static void pairs_are_named(void **state)
 }
 
 /* Pictures without a mistake are explained by nothing, and by no mistake that would change them. */
-static void a_right_renderer_has_none(void **state)
+TEST(a_right_renderer_has_none)
 {
-    (void)state;
     const char *const names[] = {"reference", "cpu"};
     for (size_t i = 0; i < 2; ++i) {
         const iso_renderer_info *which;
@@ -79,9 +76,8 @@ static void a_right_renderer_has_none(void **state)
 }
 
 /* A picture that no mistake explains: a dark spot in each. */
-static void another_difference_is_not_named(void **state)
+TEST(another_difference_is_not_named)
 {
-    (void)state;
     iso_image pictures[ISO_CALIBRATION_COUNT];
     iso_mistakes found;
     for (int i = 0; i < ISO_CALIBRATION_COUNT; ++i) {
@@ -96,13 +92,4 @@ static void another_difference_is_not_named(void **state)
         iso_image_destroy(&pictures[i]);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mistakes_are_named),
-        cmocka_unit_test(pairs_are_named),
-        cmocka_unit_test(a_right_renderer_has_none),
-        cmocka_unit_test(another_difference_is_not_named),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

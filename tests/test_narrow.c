@@ -52,9 +52,8 @@ static void end(fixture *f)
 
 static const iso_type types[] = {ISO_U8, ISO_I16, ISO_I32, ISO_F32};
 
-static void all_but_level_0_is_equal(void **state)
+TEST(all_but_level_0_is_equal)
 {
-    (void)state;
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         fixture f;
         begin(&f, types[t]);
@@ -77,9 +76,8 @@ static void all_but_level_0_is_equal(void **state)
 }
 
 /* The range of a pyramid of one level, which is not built but measured. */
-static void the_range_of_one_level_is_equal(void **state)
+TEST(the_range_of_one_level_is_equal)
 {
-    (void)state;
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         fixture f;
         iso_pyramid one;
@@ -106,9 +104,8 @@ static size_t wrong_rows(const iso_narrow_codes *c, const iso_level *whole, cons
 }
 
 /* Of each estimator, at each border and away from it. */
-static void codes_of_a_box_are_those_of_the_level(void **state)
+TEST(codes_of_a_box_are_those_of_the_level)
 {
-    (void)state;
     const size_t boxes[][2][3] = {{{0, 0, 0}, {NX, NY, NZ}},  {{0, 0, 0}, {1, 1, 1}},      {{8, 0, 5}, {16, 8, 6}},
                                   {{NX - 1, NY - 2, NZ - 1}, {NX, NY, NZ}}, {{17, 9, 8}, {20, 11, 12}}, {{0, 0, 7}, {NX, NY, 9}}};
     for (int method = 0; method < ISO_GRADIENT_COUNT; ++method) {
@@ -135,9 +132,8 @@ static void codes_of_a_box_are_those_of_the_level(void **state)
 
 /* What a scene shows of samples is what it shows of their floats: the transfer function that is suggested, the camera,
  * and what is warned of. */
-static void samples_are_seen_as_their_floats(void **state)
+TEST(samples_are_seen_as_their_floats)
 {
-    (void)state;
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         fixture f;
         begin(&f, types[t]);
@@ -196,9 +192,8 @@ static bool is_same_file(const fixture *f, const iso_pyramid *a, const iso_pyram
     return same;
 }
 
-static void openvdb_files_are_equal_whatever_the_threads(void **state)
+TEST(openvdb_files_are_equal_whatever_the_threads)
 {
-    (void)state;
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         fixture f;
         begin(&f, types[t]);
@@ -230,9 +225,8 @@ static iso_status make_codes(void *user, size_t first, size_t end, iso_error *wh
 }
 
 /* Three files from one reading, whose codes are made a few planes after the other, are those of three readings. */
-static void df3_files_of_several_channels_are_equal(void **state)
+TEST(df3_files_of_several_channels_are_equal)
 {
-    (void)state;
     fixture f;
     begin(&f, ISO_U8);
     const size_t size[3] = {NX, NY, NZ}, voxels = (size_t)NX * NY * NZ;
@@ -278,15 +272,4 @@ static void df3_files_of_several_channels_are_equal(void **state)
     end(&f);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_but_level_0_is_equal),
-        cmocka_unit_test(the_range_of_one_level_is_equal),
-        cmocka_unit_test(codes_of_a_box_are_those_of_the_level),
-        cmocka_unit_test(samples_are_seen_as_their_floats),
-        cmocka_unit_test(openvdb_files_are_equal_whatever_the_threads),
-        cmocka_unit_test(df3_files_of_several_channels_are_equal),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

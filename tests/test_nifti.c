@@ -8,9 +8,8 @@
 
 #include "volume_files.h"
 
-static void nifti_places_centers_by_its_sform(void **state)
+TEST(nifti_places_centers_by_its_sform)
 {
-    (void)state;
     nifti_1_header h = nifti_header(2, 3, 2);
     h.sform_code = 1, h.qform_code = 1; /* the sform goes first */
     float rows[3][4] = {{0, -2, 0, 10}, {1, 0, 0, 20}, {0, 0, 3, 30}};
@@ -32,9 +31,8 @@ static void nifti_places_centers_by_its_sform(void **state)
     }
 }
 
-static void nifti_places_centers_by_its_qform(void **state)
+TEST(nifti_places_centers_by_its_qform)
 {
-    (void)state;
     nifti_1_header h = nifti_header(2, 3, 2);
     h.qform_code = 1;
     h.quatern_d = sqrtf(0.5f); /* a quarter turn about z */
@@ -66,9 +64,8 @@ static void swap4(void *p, int count)
     }
 }
 
-static void nifti_of_the_other_byte_order_and_in_two_files_is_read(void **state)
+TEST(nifti_of_the_other_byte_order_and_in_two_files_is_read)
 {
-    (void)state;
     nifti_1_header h = nifti_header(2, 3, 2);
     int16_t samples[12];
     memcpy(samples, nifti_samples, 24);
@@ -103,9 +100,8 @@ static void swap8(void *p, int count)
         }
 }
 
-static void nifti_2_is_read_in_both_byte_orders(void **state)
+TEST(nifti_2_is_read_in_both_byte_orders)
 {
-    (void)state;
     for (int i = 0; i < 4; ++i) {
         nifti_2_header h = nifti_2();
         int16_t samples[12];
@@ -140,9 +136,8 @@ static void nifti_2_is_read_in_both_byte_orders(void **state)
     assert_refused("bad.nii", ISO_E_FORMAT, "need 13194139533312");
 }
 
-static void a_scale_is_applied_where_asked_for(void **state)
+TEST(a_scale_is_applied_where_asked_for)
 {
-    (void)state;
     write_nifti_2("scaled.nii", nifti_2(), nifti_samples, 24, false);
     for (int apply = 0; apply < 2; ++apply) {
         iso_volume_source *source;
@@ -162,9 +157,8 @@ static void a_scale_is_applied_where_asked_for(void **state)
     }
 }
 
-static void bad_nifti_files_are_refused_with_the_reason(void **state)
+TEST(bad_nifti_files_are_refused_with_the_reason)
 {
-    (void)state;
     const nifti_1_header good = nifti_header(2, 3, 2);
     nifti_1_header h = good;
     write_bytes("bad.nii", &h, 200);
@@ -196,15 +190,4 @@ static void bad_nifti_files_are_refused_with_the_reason(void **state)
     assert_refused("bad.nii", ISO_E_FORMAT, "spacing along its axis 1");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nifti_places_centers_by_its_sform),
-        cmocka_unit_test(nifti_places_centers_by_its_qform),
-        cmocka_unit_test(nifti_of_the_other_byte_order_and_in_two_files_is_read),
-        cmocka_unit_test(nifti_2_is_read_in_both_byte_orders),
-        cmocka_unit_test(a_scale_is_applied_where_asked_for),
-        cmocka_unit_test(bad_nifti_files_are_refused_with_the_reason),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

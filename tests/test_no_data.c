@@ -71,9 +71,8 @@ static iso_pyramid build_ramp(size_t levels)
     return p;
 }
 
-static void ranges_and_means_leave_no_data_out(void **state)
+TEST(ranges_and_means_leave_no_data_out)
 {
-    (void)state;
     for (int i = 0; i < 2; ++i) {
         iso_volume v = load_ramp(i ? ISO_F64 : ISO_F32);
         const iso_volume_stats s = iso_volume_measure(&v);
@@ -87,9 +86,8 @@ static void ranges_and_means_leave_no_data_out(void **state)
     }
 }
 
-static void a_rule_replaces_the_files_values(void **state)
+TEST(a_rule_replaces_the_files_values)
 {
-    (void)state;
     iso_no_data rule;
     assert_ok(iso_no_data_parse("-3024,-1025", &rule, &err));
     assert_true(rule.is_given && !rule.is_none);
@@ -123,9 +121,8 @@ static double gradient_error(const iso_planes *p)
     return most;
 }
 
-static void gradients_are_one_sided_beside_no_data(void **state)
+TEST(gradients_are_one_sided_beside_no_data)
 {
-    (void)state;
     for (int i = 0; i < 2; ++i) {
         iso_volume v = load_ramp(i ? ISO_F64 : ISO_F32);
         iso_planes p = {v.data, v.type, {NX, NY, NZ}, 0, NZ, true};
@@ -156,9 +153,8 @@ static double mean_of_children(size_t k, size_t x, size_t y, size_t z)
     return count ? sum / count : (double)NAN;
 }
 
-static void levels_are_means_of_the_children_with_data(void **state)
+TEST(levels_are_means_of_the_children_with_data)
 {
-    (void)state;
     iso_pyramid p = build_ramp(3);
     for (size_t k = 1; k < 3; ++k) {
         const iso_level *l = &p.levels[k];
@@ -179,9 +175,8 @@ static void levels_are_means_of_the_children_with_data(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void filters_that_need_more_are_refused(void **state)
+TEST(filters_that_need_more_are_refused)
 {
-    (void)state;
     iso_volume v = load_ramp(ISO_F32);
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
@@ -193,9 +188,8 @@ static void filters_that_need_more_are_refused(void **state)
     iso_volume_destroy(&v);
 }
 
-static void a_pyramid_keeps_it(void **state)
+TEST(a_pyramid_keeps_it)
 {
-    (void)state;
     char dir[] = "/tmp/isoshade-no-data-XXXXXX";
     assert_non_null(mkdtemp(dir));
     char path[64];
@@ -213,9 +207,8 @@ static void a_pyramid_keeps_it(void **state)
     assert_int_equal(system(command), 0);
 }
 
-static void histograms_and_surveys_leave_no_data_out(void **state)
+TEST(histograms_and_surveys_leave_no_data_out)
 {
-    (void)state;
     iso_pyramid p = build_ramp(2);
     iso_joint joint;
     iso_survey *survey;
@@ -255,9 +248,8 @@ static double middle_alpha(const iso_pyramid *p, const iso_view *view, caster wi
     return alpha;
 }
 
-static void all_renderers_show_the_part_with_data(void **state)
+TEST_BETWEEN(all_renderers_show_the_part_with_data, open_gl, close_gl)
 {
-    (void)state;
     iso_tf_point points[] = {{0, {0.9, 0.3, 0.2}, 0.1}, {1, {0.2, 0.3, 0.9}, 0.1}};
     iso_pyramid p = build_ramp(1);
     iso_scene scene = scene_of_points(points, 2);
@@ -282,9 +274,8 @@ static void all_renderers_show_the_part_with_data(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void tables_end_below_the_values(void **state)
+TEST(tables_end_below_the_values)
 {
-    (void)state;
     float *entries = malloc(8 * sizeof *entries);
     const float two[8] = {1, 0, 0, 0.5f, 0, 1, 0, 2};
     memcpy(entries, two, sizeof two);
@@ -300,18 +291,4 @@ static void tables_end_below_the_values(void **state)
     iso_tf_table_destroy(&t);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ranges_and_means_leave_no_data_out),
-        cmocka_unit_test(a_rule_replaces_the_files_values),
-        cmocka_unit_test(gradients_are_one_sided_beside_no_data),
-        cmocka_unit_test(levels_are_means_of_the_children_with_data),
-        cmocka_unit_test(filters_that_need_more_are_refused),
-        cmocka_unit_test(a_pyramid_keeps_it),
-        cmocka_unit_test(histograms_and_surveys_leave_no_data_out),
-        cmocka_unit_test(tables_end_below_the_values),
-        cmocka_unit_test_setup_teardown(all_renderers_show_the_part_with_data, open_gl, close_gl),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

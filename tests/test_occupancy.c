@@ -21,9 +21,8 @@ static float *random_scalar(void)
     return scalar;
 }
 
-static void ranges_hold_every_voxel_and_its_neighbors(void **state)
+TEST(ranges_hold_every_voxel_and_its_neighbors)
 {
-    (void)state;
     float *scalar = random_scalar();
     iso_geometry g = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1});
     iso_brick_ranges r;
@@ -47,9 +46,8 @@ static void ranges_hold_every_voxel_and_its_neighbors(void **state)
     free(scalar);
 }
 
-static void tf_shows_what_any_value_of_the_range_shows(void **state)
+TEST(tf_shows_what_any_value_of_the_range_shows)
 {
-    (void)state;
     float entries[4 * 5] = {0};
     entries[4 * 3 + 3] = 1; /* a tent over 20..40 with its top at 30 */
     const iso_tf_table tf = {.count = 5, .lo = 0, .hi = 40, .entries = entries};
@@ -64,9 +62,8 @@ static void tf_shows_what_any_value_of_the_range_shows(void **state)
     assert_true(iso_tf_shows(&tf, 100, 200));
 }
 
-static void distance_is_to_the_nearest_occupied_brick(void **state)
+TEST(distance_is_to_the_nearest_occupied_brick)
 {
-    (void)state;
     float min_max[2 * 5 * 4 * 3] = {0}, entries[8] = {0};
     entries[7] = 1;
     iso_brick_ranges r = {.brick_voxels = 8, .count = {5, 4, 3}, .min_max = min_max};
@@ -92,9 +89,8 @@ static void distance_is_to_the_nearest_occupied_brick(void **state)
     }
 }
 
-static void bricks_of_no_voxel_are_refused(void **state)
+TEST(bricks_of_no_voxel_are_refused)
 {
-    (void)state;
     iso_geometry g = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1});
     iso_brick_ranges r;
     float scalar = 0;
@@ -138,12 +134,11 @@ static size_t count_wrong_sides(const uint8_t *occupied, const uint8_t *octants)
 }
 
 /* Planted: the map of another octant. */
-static void octants_hold_the_largest_empty_cubes_ahead(void **state)
+TEST(octants_hold_the_largest_empty_cubes_ahead)
 {
     const size_t count = size[0] * size[1] * size[2];
     uint8_t *occupied = malloc(count), *octants = malloc(ISO_OCTANTS * count);
     iso_random random = {11};
-    (void)state;
     assert_non_null(occupied);
     assert_non_null(octants);
     for (size_t i = 0; i < count; ++i)
@@ -157,14 +152,13 @@ static void octants_hold_the_largest_empty_cubes_ahead(void **state)
 }
 
 /* The list gives the answers of the table. Planted: a list without the last visible entry. */
-static void a_list_of_the_next_visible_entries_agrees(void **state)
+TEST(a_list_of_the_next_visible_entries_agrees)
 {
     float entries[4 * 40] = {0};
     uint32_t next[40];
     entries[4 * 7 + 3] = entries[4 * 8 + 3] = entries[4 * 31 + 3] = 1;
     const iso_tf_table tf = {.count = 40, .lo = -3, .hi = 36, .entries = entries};
     size_t wrong[2] = {0, 0};
-    (void)state;
     for (int planted = 0; planted < 2; ++planted) {
         iso_tf_next_shown(&tf, next);
         for (int i = 0; i < 40 && planted; ++i)
@@ -177,15 +171,4 @@ static void a_list_of_the_next_visible_entries_agrees(void **state)
     assert_true(wrong[1] > 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ranges_hold_every_voxel_and_its_neighbors),
-        cmocka_unit_test(tf_shows_what_any_value_of_the_range_shows),
-        cmocka_unit_test(distance_is_to_the_nearest_occupied_brick),
-        cmocka_unit_test(bricks_of_no_voxel_are_refused),
-        cmocka_unit_test(octants_hold_the_largest_empty_cubes_ahead),
-        cmocka_unit_test(a_list_of_the_next_visible_entries_agrees),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

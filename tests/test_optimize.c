@@ -61,9 +61,8 @@ static iso_optimize_options fast(int threads)
     return (iso_optimize_options){.effort = ISO_EFFORT_FAST, .seed = 5, .threads = threads};
 }
 
-static void a_level_is_nearer_and_threads_change_no_bit(void **state)
+TEST(a_level_is_nearer_and_threads_change_no_bit)
 {
-    (void)state;
     iso_pyramid p = bumpy_ball(ISO_CODE_FIT);
     const iso_scene scene = surface_scene();
     const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
@@ -85,9 +84,8 @@ static void a_level_is_nearer_and_threads_change_no_bit(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void a_stopped_run_returns_the_level_so_far(void **state)
+TEST(a_stopped_run_returns_the_level_so_far)
 {
-    (void)state;
     iso_pyramid p = bumpy_ball(ISO_CODE_FIT);
     const iso_scene scene = surface_scene();
     const volatile sig_atomic_t stop = 1;
@@ -101,9 +99,8 @@ static void a_stopped_run_returns_the_level_so_far(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void scenes_that_cannot_be_learned_are_refused(void **state)
+TEST(scenes_that_cannot_be_learned_are_refused)
 {
-    (void)state;
     iso_tf_point hidden[] = {{0, {1, 1, 1}, 0}, {1, {1, 1, 1}, 0}};
     iso_pyramid p = bumpy_ball(ISO_CODE_FIT), other = bumpy_ball(ISO_CODE_REGION48);
     iso_scene scene = surface_scene();
@@ -119,9 +116,8 @@ static void scenes_that_cannot_be_learned_are_refused(void **state)
 
 /* ---- the gate ---------------------------------------------------------------------------------------------------- */
 
-static void each_figure_of_the_gate_can_refuse(void **state)
+TEST(each_figure_of_the_gate_can_refuse)
 {
-    (void)state;
     const iso_level_seen before = {0.1, 0.05, 0.04, 0.02};
     const iso_level_seen nearer = {0.09, 0.05, 0.03, 0.02};
     assert_true(iso_level_gate_is_nearer(&before, &nearer));
@@ -137,9 +133,8 @@ static void each_figure_of_the_gate_can_refuse(void **state)
 }
 
 /* Directions in disorder are a level that no gate takes. */
-static void a_spoilt_level_is_not_accepted(void **state)
+TEST(a_spoilt_level_is_not_accepted)
 {
-    (void)state;
     iso_pyramid p = bumpy_ball(ISO_CODE_FIT);
     const iso_scene scene = surface_scene();
     const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
@@ -158,9 +153,8 @@ static void a_spoilt_level_is_not_accepted(void **state)
 
 /* ---- in a pyramid ------------------------------------------------------------------------------------------------ */
 
-static void it_is_stored_and_shown_as_it_is(void **state)
+TEST(it_is_stored_and_shown_as_it_is)
 {
-    (void)state;
     iso_pyramid p = bumpy_ball(ISO_CODE_FIT), loaded;
     const iso_scene scene = surface_scene();
     const iso_optimize_options opt = fast(2);
@@ -193,15 +187,4 @@ static void it_is_stored_and_shown_as_it_is(void **state)
     free(dir);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_level_is_nearer_and_threads_change_no_bit),
-        cmocka_unit_test(a_stopped_run_returns_the_level_so_far),
-        cmocka_unit_test(scenes_that_cannot_be_learned_are_refused),
-        cmocka_unit_test(each_figure_of_the_gate_can_refuse),
-        cmocka_unit_test(a_spoilt_level_is_not_accepted),
-        cmocka_unit_test(it_is_stored_and_shown_as_it_is),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

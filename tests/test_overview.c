@@ -71,9 +71,8 @@ static bool are_same(const iso_overview *a, const iso_overview *b)
 
 static const iso_type types[] = {ISO_U8, ISO_I16, ISO_F32, ISO_F64};
 
-static void slabs_of_any_size_say_what_the_whole_volume_says(void **state)
+TEST(slabs_of_any_size_say_what_the_whole_volume_says)
 {
-    (void)state;
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         char *path = iso_path_join(folder, "volume.nrrd");
         write_volume(path, types[t], COUNT);
@@ -93,9 +92,8 @@ static void slabs_of_any_size_say_what_the_whole_volume_says(void **state)
 }
 
 /* The planted fault, in the last slab, which has one plane. */
-static void a_changed_voxel_changes_the_overview(void **state)
+TEST(a_changed_voxel_changes_the_overview)
 {
-    (void)state;
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         char *path = iso_path_join(folder, "volume.nrrd"), *other = iso_path_join(folder, "other.nrrd");
         write_volume(path, types[t], COUNT);
@@ -110,9 +108,8 @@ static void a_changed_voxel_changes_the_overview(void **state)
     }
 }
 
-static void what_is_no_number_is_refused_with_its_place(void **state)
+TEST(what_is_no_number_is_refused_with_its_place)
 {
-    (void)state;
     char *path = iso_path_join(folder, "nan.nrrd");
     iso_volume v;
     iso_volume_sink *sink = NULL;
@@ -136,12 +133,4 @@ static void what_is_no_number_is_refused_with_its_place(void **state)
     free(path);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(slabs_of_any_size_say_what_the_whole_volume_says),
-        cmocka_unit_test(a_changed_voxel_changes_the_overview),
-        cmocka_unit_test(what_is_no_number_is_refused_with_its_place),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

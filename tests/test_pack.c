@@ -44,21 +44,18 @@ static void assert_comes_back(uint32_t (*number)(const void *, size_t, size_t), 
     free(packed.bytes);
 }
 
-static void differences_of_rising_numbers_come_back(void **state)
+TEST(differences_of_rising_numbers_come_back)
 {
-    (void)state;
     assert_comes_back(rising, true);
 }
 
-static void scattered_numbers_come_back_as_they_are(void **state)
+TEST(scattered_numbers_come_back_as_they_are)
 {
-    (void)state;
     assert_comes_back(scattered, false);
 }
 
-static void no_voxels_are_an_empty_stream(void **state)
+TEST(no_voxels_are_an_empty_stream)
 {
-    (void)state;
     const iso_pack_array array = {0, 1, 1, rising, NULL};
     iso_packed packed;
     unsigned char byte;
@@ -69,12 +66,4 @@ static void no_voxels_are_an_empty_stream(void **state)
     free(packed.bytes);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(differences_of_rising_numbers_come_back),
-        cmocka_unit_test(scattered_numbers_come_back_as_they_are),
-        cmocka_unit_test(no_voxels_are_an_empty_stream),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

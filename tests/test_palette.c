@@ -23,9 +23,8 @@ static double fitted_norm1(const iso_direction_set *set, iso_palette_method meth
 
 /* Unit entries, the zero vector first, and no direction farther away than a covering of its size may leave: the
  * equal-area cap's angle is 2 asin(sqrt(1 / n)); a good table stays within twice of it. */
-static void the_lattice_covers_the_sphere(void **state)
+TEST(the_lattice_covers_the_sphere)
 {
-    (void)state;
     iso_random random = {7};
     float *v = malloc(3 * 4000 * sizeof *v);
     for (size_t i = 0; i < 4000; ++i)
@@ -48,9 +47,8 @@ static void the_lattice_covers_the_sphere(void **state)
 
 /* ---- fits -------------------------------------------------------------------------------- */
 
-static void default_reaches_the_errors_asked_for_on_the_ellipsoid(void **state)
+TEST(default_reaches_the_errors_asked_for_on_the_ellipsoid)
 {
-    (void)state;
     float *v = ellipsoid(ELLIPSOID);
     iso_direction_set set = set_of(v, NULL, ELLIPSOID);
     const size_t sizes[] = {254, 1022};
@@ -63,9 +61,8 @@ static void default_reaches_the_errors_asked_for_on_the_ellipsoid(void **state)
     free(v);
 }
 
-static void fits_repeat_and_follow_their_seed(void **state)
+TEST(fits_repeat_and_follow_their_seed)
 {
-    (void)state;
     float *v = ellipsoid(800);
     iso_direction_set set = set_of(v, NULL, 800);
     iso_palette a = fit(&set, ISO_PALETTE_KMEANS, 40), b = fit(&set, ISO_PALETTE_KMEANS, 40);
@@ -76,9 +73,8 @@ static void fits_repeat_and_follow_their_seed(void **state)
     free(v);
 }
 
-static void multiplicity_is_the_same_as_repetition(void **state)
+TEST(multiplicity_is_the_same_as_repetition)
 {
-    (void)state;
     enum { N = 300 };
     float *v = ellipsoid(N), *repeated = malloc(3 * 3 * N * sizeof *repeated);
     double weights[N];
@@ -99,9 +95,8 @@ static void multiplicity_is_the_same_as_repetition(void **state)
 }
 
 /* Weights move entries: the half of the sphere that counts a hundred times more gets the smaller error. */
-static void weights_draw_entries(void **state)
+TEST(weights_draw_entries)
 {
-    (void)state;
     enum { N = 3000 };
     float v[3 * N];
     double weights[N];
@@ -122,9 +117,8 @@ static void weights_draw_entries(void **state)
 
 /* ---- degenerate input ----------------------------------------------------------------------- */
 
-static void no_direction_at_all_gives_the_zero_vector_alone(void **state)
+TEST(no_direction_at_all_gives_the_zero_vector_alone)
 {
-    (void)state;
     const float v[] = {0, 0, 0, NAN, 1, 0, INFINITY, 0, 0, 0, -0.0f, 0};
     iso_direction_set set = set_of(v, NULL, 4);
     assert_int_equal(set.count, 0);
@@ -146,9 +140,8 @@ static void no_direction_at_all_gives_the_zero_vector_alone(void **state)
     iso_direction_set_destroy(&set);
 }
 
-static void fewer_directions_than_entries_are_kept_exactly(void **state)
+TEST(fewer_directions_than_entries_are_kept_exactly)
 {
-    (void)state;
     /* Five vectors, three directions: lengths do not matter. */
     const float v[] = {2, 0, 0, 0, 0, -3, 4, 0, 0, 0.6f, 0.8f, 0, 1e-30f, 0, 0};
     iso_direction_set set = set_of(v, NULL, 5);
@@ -160,9 +153,8 @@ static void fewer_directions_than_entries_are_kept_exactly(void **state)
     iso_direction_set_destroy(&set);
 }
 
-static void all_one_direction_is_one_entry(void **state)
+TEST(all_one_direction_is_one_entry)
 {
-    (void)state;
     float v[3 * 100];
     for (size_t i = 0; i < 100; ++i) {
         v[3 * i] = 0;
@@ -178,9 +170,8 @@ static void all_one_direction_is_one_entry(void **state)
 }
 
 /* Two opposite directions in one cluster cancel: the entry must stay finite. */
-static void opposite_directions_in_one_entry_stay_finite(void **state)
+TEST(opposite_directions_in_one_entry_stay_finite)
 {
-    (void)state;
     const float v[] = {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0};
     iso_direction_set set = set_of(v, NULL, 4);
     for (size_t k = 1; k < 4; ++k) {
@@ -193,9 +184,8 @@ static void opposite_directions_in_one_entry_stay_finite(void **state)
     iso_direction_set_destroy(&set);
 }
 
-static void bad_options_and_weights_are_refused(void **state)
+TEST(bad_options_and_weights_are_refused)
 {
-    (void)state;
     const float v[] = {1, 0, 0};
     const double negative = -1, nan = NAN;
     iso_direction_set set;
@@ -216,9 +206,8 @@ static void bad_options_and_weights_are_refused(void **state)
 /* ---- norms, tables, files --------------------------------------------------------------------------- */
 
 /* Table 1, foot, 254 normals: norm 1 3788.26, norm 2 43.52. By the paper's own Eq. 1 norm 2 were 87.04. */
-static void printed_norm2_is_half_of_equation_1(void **state)
+TEST(printed_norm2_is_half_of_equation_1)
 {
-    (void)state;
     assert_within(sqrt(0.5 * 3788.26), 43.52, 0.005); /* two printed digits */
     const float v[] = {1, 0, 0, 0, 1, 0};
     iso_direction_set set = set_of(v, NULL, 2);
@@ -235,20 +224,4 @@ static void printed_norm2_is_half_of_equation_1(void **state)
     iso_direction_set_destroy(&set);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_lattice_covers_the_sphere),
-        cmocka_unit_test(default_reaches_the_errors_asked_for_on_the_ellipsoid),
-        cmocka_unit_test(fits_repeat_and_follow_their_seed),
-        cmocka_unit_test(multiplicity_is_the_same_as_repetition),
-        cmocka_unit_test(weights_draw_entries),
-        cmocka_unit_test(no_direction_at_all_gives_the_zero_vector_alone),
-        cmocka_unit_test(fewer_directions_than_entries_are_kept_exactly),
-        cmocka_unit_test(all_one_direction_is_one_entry),
-        cmocka_unit_test(opposite_directions_in_one_entry_stay_finite),
-        cmocka_unit_test(bad_options_and_weights_are_refused),
-        cmocka_unit_test(printed_norm2_is_half_of_equation_1),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

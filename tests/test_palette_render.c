@@ -114,9 +114,8 @@ static difference compare(iso_image a, iso_image b)
 }
 
 /* Floats against doubles: as for the other sources, 2e-5. */
-static void gl_agrees_with_the_reference(void **state)
+TEST(gl_agrees_with_the_reference)
 {
-    (void)state;
     const size_t directions[] = {254, 1022}; /* 8 and 16 bits an index */
     for (int i = 0; i < 2; ++i) {
         subject s;
@@ -143,9 +142,8 @@ static void gl_agrees_with_the_reference(void **state)
 }
 
 /* With an entry for every direction a palette is the floats. */
-static void a_palette_of_all_directions_is_the_float_field(void **state)
+TEST(a_palette_of_all_directions_is_the_float_field)
 {
-    (void)state;
     subject s;
     subject_create(&s, 32000, false);
     difference d = compare(by_reference(&s, ISO_FROM_PALETTE), by_reference(&s, ISO_FROM_FLOAT));
@@ -156,9 +154,8 @@ static void a_palette_of_all_directions_is_the_float_field(void **state)
     subject_destroy(&s);
 }
 
-static void more_entries_come_closer_to_the_floats(void **state)
+VALUES_TEST(more_entries_come_closer_to_the_floats)
 {
-    (void)state;
     const size_t directions[] = {20, 254, 1022};
     double before = 1;
     for (int i = 0; i < 3; ++i) {
@@ -172,9 +169,8 @@ static void more_entries_come_closer_to_the_floats(void **state)
 }
 
 /* Seen along one direction, the table of shades is the shading itself; in perspective it is not. */
-static void shade_table_is_the_shading_for_a_viewer_far_away(void **state)
+TEST(shade_table_is_the_shading_for_a_viewer_far_away)
 {
-    (void)state;
     for (int orthographic = 0; orthographic < 2; ++orthographic) {
         subject s;
         subject_create(&s, 254, orthographic);
@@ -189,9 +185,8 @@ static void shade_table_is_the_shading_for_a_viewer_far_away(void **state)
     }
 }
 
-static void a_level_without_palette_is_refused(void **state)
+TEST(a_level_without_palette_is_refused)
 {
-    (void)state;
     subject s;
     subject_create(&s, 20, false);
     iso_level_detach_palette(&s.pyramid.levels[0]);
@@ -224,14 +219,4 @@ static int teardown(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gl_agrees_with_the_reference),
-        cmocka_unit_test(a_palette_of_all_directions_is_the_float_field),
-        cmocka_values_test(more_entries_come_closer_to_the_floats),
-        cmocka_unit_test(shade_table_is_the_shading_for_a_viewer_far_away),
-        cmocka_unit_test(a_level_without_palette_is_refused),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_MAIN(setup, teardown)

@@ -34,9 +34,8 @@ static size_t wrong_assignments(const iso_palette *p, const iso_palette_lookup *
     return wrong;
 }
 
-static void lookup_finds_the_nearest_entry(void **state)
+TEST(lookup_finds_the_nearest_entry)
 {
-    (void)state;
     enum { N = 3000 };
     float *data = ellipsoid(ELLIPSOID), *v = malloc(3 * 2 * N * sizeof *v);
     iso_random random = {11};
@@ -78,9 +77,8 @@ static void lookup_finds_the_nearest_entry(void **state)
     free(data);
 }
 
-static void bytes_and_words_agree_and_decode(void **state)
+TEST(bytes_and_words_agree_and_decode)
 {
-    (void)state;
     enum { N = 1000 };
     float *v = ellipsoid(N), decoded[3 * N];
     uint16_t wide[N];
@@ -131,9 +129,8 @@ static void assert_sets_equal(const iso_direction_set *a, const iso_direction_se
     assert_within(a->undefined_weight, b->undefined_weight, 0);
 }
 
-static void pool_does_not_depend_on_threads_or_slabs(void **state)
+TEST(pool_does_not_depend_on_threads_or_slabs)
 {
-    (void)state;
     enum { N = 20000 };
     float *v = ellipsoid(N), *w = malloc(N * sizeof *w);
     iso_random random = {5};
@@ -153,9 +150,8 @@ static void pool_does_not_depend_on_threads_or_slabs(void **state)
 
 /* Bundling loses nothing of the error where a cell's members share an entry; what is left is fixed point (1e-7 of a
  * weight each) and cells that an entry's border crosses. */
-static void pool_keeps_the_error(void **state)
+TEST(pool_keeps_the_error)
 {
-    (void)state;
     enum { N = 30000 };
     float *v = ellipsoid(N);
     iso_direction_set exact = set_of(v, NULL, N), bundled = pooled(v, NULL, N, 2, N), coarse;
@@ -181,9 +177,8 @@ static void make_volume(iso_volume *v)
     assert_ok(iso_field_sample(&field, ISO_U16, v, &err));
 }
 
-static void streaming_a_volume_equals_the_volume_in_memory(void **state)
+TEST(streaming_a_volume_equals_the_volume_in_memory)
 {
-    (void)state;
     iso_volume v;
     make_volume(&v);
     char *dir = iso_make_temp_dir(), *path = iso_path_join(dir, "v.nrrd");
@@ -222,9 +217,8 @@ static void streaming_a_volume_equals_the_volume_in_memory(void **state)
 }
 
 /* A TF that shows only one half of the values: the weights of the others are 0, and they are left out. */
-static void weights_by_value_leave_out_what_is_not_seen(void **state)
+TEST(weights_by_value_leave_out_what_is_not_seen)
 {
-    (void)state;
     const float vectors[] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, scalars[] = {0.1f, 0.7f, NAN};
     const float table[] = {0, 0, 1, 1};
     const iso_palette_weighting w = {.by_value = table, .by_value_count = 4, .by_value_lo = 0, .by_value_hi = 0.9};
@@ -240,9 +234,8 @@ static void weights_by_value_leave_out_what_is_not_seen(void **state)
     iso_direction_pool_destroy(pool);
 }
 
-static void shading_table_is_the_shading_of_each_entry(void **state)
+TEST(shading_table_is_the_shading_of_each_entry)
 {
-    (void)state;
     iso_palette p;
     assert_ok(iso_palette_create(&p, 2, &err));
     p.xyz[3] = 1;
@@ -258,9 +251,8 @@ static void shading_table_is_the_shading_of_each_entry(void **state)
     iso_palette_destroy(&p);
 }
 
-static void csv_survives_and_bad_ones_are_refused(void **state)
+TEST(csv_survives_and_bad_ones_are_refused)
 {
-    (void)state;
     float *v = ellipsoid(500);
     iso_direction_set set = set_of(v, NULL, 500);
     iso_palette p = fit(&set, ISO_PALETTE_KMEANS, 30), q;
@@ -292,17 +284,4 @@ static void csv_survives_and_bad_ones_are_refused(void **state)
     free(v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lookup_finds_the_nearest_entry),
-        cmocka_unit_test(bytes_and_words_agree_and_decode),
-        cmocka_unit_test(pool_does_not_depend_on_threads_or_slabs),
-        cmocka_unit_test(pool_keeps_the_error),
-        cmocka_unit_test(streaming_a_volume_equals_the_volume_in_memory),
-        cmocka_unit_test(weights_by_value_leave_out_what_is_not_seen),
-        cmocka_unit_test(shading_table_is_the_shading_of_each_entry),
-        cmocka_unit_test(csv_survives_and_bad_ones_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -6,9 +6,8 @@
 #include "chart/pareto.h"
 #include "tests/test.h"
 
-static void the_front_holds_what_nothing_beats(void **state)
+TEST(the_front_holds_what_nothing_beats)
 {
-    (void)state;
     /*                      on       on      beaten   on       equal    beaten by equal cost */
     const double cost[] = {1.0, 2.0, 2.5, 4.0, 4.0, 2.0};
     const double error[] = {0.9, 0.5, 0.6, 0.1, 0.1, 0.7};
@@ -19,9 +18,8 @@ static void the_front_holds_what_nothing_beats(void **state)
         assert_int_equal(front[i], wanted[i]);
 }
 
-static void what_is_not_a_number_is_never_on_the_front(void **state)
+TEST(what_is_not_a_number_is_never_on_the_front)
 {
-    (void)state;
     const double cost[] = {NAN, 1, INFINITY, 2}, error[] = {0, NAN, 0, 0.5};
     bool front[4];
     iso_pareto_front(cost, error, 4, front);
@@ -30,9 +28,8 @@ static void what_is_not_a_number_is_never_on_the_front(void **state)
     assert_int_equal(iso_pareto_choose(cost, cost, error, 4, NAN), 4);
 }
 
-static void the_cheapest_that_is_good_enough_is_chosen(void **state)
+TEST(the_cheapest_that_is_good_enough_is_chosen)
 {
-    (void)state;
     const double cost[] = {1, 2, 3, 2}, tie[] = {0, 7, 0, 5}, error[] = {0.9, 0.5, 0.1, 0.4};
     assert_int_equal(iso_pareto_choose(cost, tie, error, 4, 1), 0);
     assert_int_equal(iso_pareto_choose(cost, tie, error, 4, 0.5), 3); /* equal cost, smaller tie */
@@ -95,9 +92,8 @@ static void plant(int fault, const double *cost, const double *error, size_t cou
     }
 }
 
-static void random_fronts_follow_the_definition(void **state)
+TEST(random_fronts_follow_the_definition)
 {
-    (void)state;
     iso_random r = {20};
     double cost[MOST], error[MOST], tie[MOST];
     bool front[MOST];
@@ -130,9 +126,8 @@ static void random_fronts_follow_the_definition(void **state)
 }
 
 /* The cheapest by error, ties broken by time, is on the front: what `--want` names lies on it. */
-static void what_is_chosen_lies_on_the_front(void **state)
+TEST(what_is_chosen_lies_on_the_front)
 {
-    (void)state;
     iso_random r = {21};
     double cost[50], error[50];
     bool front[50];
@@ -147,14 +142,4 @@ static void what_is_chosen_lies_on_the_front(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_front_holds_what_nothing_beats),
-        cmocka_unit_test(what_is_not_a_number_is_never_on_the_front),
-        cmocka_unit_test(the_cheapest_that_is_good_enough_is_chosen),
-        cmocka_unit_test(random_fronts_follow_the_definition),
-        cmocka_unit_test(what_is_chosen_lies_on_the_front),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -62,9 +62,8 @@ static void open_store(const char *work, bool keep, iso_picture_store **store)
 }
 
 /* How many removals there are is not assumed: one more each time, until all were made. */
-static void killed_at_any_removal_it_blocks_no_later_run(void **state)
+TEST(killed_at_any_removal_it_blocks_no_later_run)
 {
-    (void)state;
     for (int keeps = 0; keeps < 2; ++keeps) {
         char *work = iso_path_join(folder, "r.work");
         bool is_gone = false;
@@ -91,8 +90,4 @@ static void killed_at_any_removal_it_blocks_no_later_run(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(killed_at_any_removal_it_blocks_no_later_run)};
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

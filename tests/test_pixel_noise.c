@@ -86,9 +86,8 @@ static bool is_rejected(const iso_extrapolated *limit, bool sharp)
 }
 
 /* The tolerance of every pixel was once that of the worst one: 2 x .02 in the row that the step does not resolve. */
-static void a_block_is_rejected_though_the_step_errs_elsewhere(void **state)
+TEST(a_block_is_rejected_though_the_step_errs_elsewhere)
 {
-    (void)state;
     const size_t seeds[] = {3, 4, 16};
     for (int i = 0; i < 3; ++i)
         for (uint64_t k = 0; k < 3; ++k) {
@@ -108,9 +107,8 @@ static void a_block_is_rejected_though_the_step_errs_elsewhere(void **state)
 }
 
 /* 192 values of four million were once fewer than might be beyond chance. */
-static void a_block_of_a_large_image_is_rejected(void **state)
+VALUES_TEST(a_block_of_a_large_image_is_rejected)
 {
-    (void)state;
     frames f = {.side = 1024, .seeds = 3, .block = 8, .step = 0.045, .noise = 1e-3, .amount = 0.4, .random = 1};
     iso_extrapolated limit = extrapolate(&f, NULL);
     assert_true(is_rejected(&limit, true));
@@ -119,9 +117,8 @@ static void a_block_of_a_large_image_is_rejected(void **state)
 }
 
 /* 200 groups of each number of seeds: below 1.5 % at 95 % confidence. */
-static void uneven_noise_alone_is_not_rejected(void **state)
+VALUES_TEST(uneven_noise_alone_is_not_rejected)
 {
-    (void)state;
     const size_t seeds[] = {3, 4, 16};
     for (int i = 0; i < 3; ++i)
         for (uint64_t k = 0; k < 200; ++k) {
@@ -135,9 +132,8 @@ static void uneven_noise_alone_is_not_rejected(void **state)
 
 /* One pixel is off by 2e-3. It is excused where the reference moves there, up to a step of 8 bits, and where few
  * are. */
-static void only_what_the_reference_moves_is_excused(void **state)
+TEST(only_what_the_reference_moves_is_excused)
 {
-    (void)state;
     const struct {
         double amount, moves;
         size_t block;
@@ -173,9 +169,8 @@ static void only_what_the_reference_moves_is_excused(void **state)
 
 /* As much as most pixels' noise: the mean of 8 frames shows it in few single pixels, a channel's mean shows it
  * surely. */
-static void a_shift_that_no_pixel_shows_is_a_bias(void **state)
+TEST(a_shift_that_no_pixel_shows_is_a_bias)
 {
-    (void)state;
     for (uint64_t k = 0; k < 5; ++k) {
         frames f = {.side = 48, .seeds = 8, .step = 2e-5, .noise = 5e-3, .random = k};
         iso_extrapolated limit = extrapolate(&f, NULL);
@@ -188,14 +183,4 @@ static void a_shift_that_no_pixel_shows_is_a_bias(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_block_is_rejected_though_the_step_errs_elsewhere),
-        cmocka_values_test(a_block_of_a_large_image_is_rejected),
-        cmocka_values_test(uneven_noise_alone_is_not_rejected),
-        cmocka_unit_test(only_what_the_reference_moves_is_excused),
-        cmocka_unit_test(a_shift_that_no_pixel_shows_is_a_bias),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -72,9 +72,8 @@ static double rmse(const iso_image *a, const iso_image *b)
 
 /* The prediction knows nothing of cancellation along rays nor of baked faces: the measured error is within a factor
  * of four of it here, which the command's verification makes good. */
-static void prediction_bounds_the_model_and_is_near_the_measured_error(void **state)
+TEST(prediction_bounds_the_model_and_is_near_the_measured_error)
 {
-    (void)state;
     scene s;
     iso_plan p;
     make_scene(&s, ISO_FIELD_SHELLS);
@@ -106,9 +105,8 @@ static void prediction_bounds_the_model_and_is_near_the_measured_error(void **st
 }
 
 /* Wherever it is: of no voxel the plan may think that coarse bricks, which lose it, have it. */
-static void a_voxel_alone_is_not_overlooked(void **state)
+TEST(a_voxel_alone_is_not_overlooked)
 {
-    (void)state;
     const size_t size[3] = {17, 17, 17}, middle = 8 + 17 * (8 + 17 * 8);
     static float scalar[17 * 17 * 17];
     iso_scene file;
@@ -136,9 +134,8 @@ static void a_voxel_alone_is_not_overlooked(void **state)
 
 /* A step from 0 to 1 whose transfer function shows values near 1/4 alone: no voxel has one, and of level 1, whose value
  * half-way between its nodes is 1/2, none of level 0's places has one either. */
-static void values_visible_only_between_voxels_are_not_overlooked(void **state)
+TEST(values_visible_only_between_voxels_are_not_overlooked)
 {
-    (void)state;
     enum { SIDE = 17, STEP = 8 };
     static float scalar[SIDE * SIDE * SIDE];
     for (size_t i = 0; i < SIDE * SIDE * SIDE; ++i)
@@ -174,9 +171,8 @@ static void values_visible_only_between_voxels_are_not_overlooked(void **state)
     iso_scene_destroy(&file);
 }
 
-static void plan_does_not_depend_on_threads(void **state)
+TEST(plan_does_not_depend_on_threads)
 {
-    (void)state;
     scene s;
     iso_plan one, two;
     make_scene(&s, ISO_FIELD_NOISE);
@@ -192,9 +188,8 @@ static void plan_does_not_depend_on_threads(void **state)
     destroy_scene(&s);
 }
 
-static void bricks_behind_the_opaque_and_outside_the_view_are_left_out(void **state)
+TEST(bricks_behind_the_opaque_and_outside_the_view_are_left_out)
 {
-    (void)state;
     scene s;
     iso_plan p;
     make_scene(&s, ISO_FIELD_CONSTANT);
@@ -218,14 +213,4 @@ static void bricks_behind_the_opaque_and_outside_the_view_are_left_out(void **st
     destroy_scene(&s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(prediction_bounds_the_model_and_is_near_the_measured_error),
-        cmocka_unit_test(a_voxel_alone_is_not_overlooked),
-        cmocka_unit_test(values_visible_only_between_voxels_are_not_overlooked),
-        cmocka_unit_test(plan_does_not_depend_on_threads),
-        cmocka_unit_test(bricks_behind_the_opaque_and_outside_the_view_are_left_out),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -142,7 +142,7 @@ static size_t voxel_of(const iso_lattice *l, const iso_planned *p)
 }
 
 /* The planted fault: one sample of a brick that is drawn. */
-static void a_lattice_depends_neither_on_threads_nor_on_how_level_0_is_stored(void **state)
+TEST_BETWEEN(a_lattice_depends_neither_on_threads_nor_on_how_level_0_is_stored, setup, teardown)
 {
     fixture *f = *state;
     iso_planned_lattices from_floats, from_bytes, from_others;
@@ -201,7 +201,7 @@ static double largest_loss(const fixture *f, const iso_lattice *l)
 }
 
 /* Directions are floats of multiples of 1/2032. The planted fault: of 1/1000, which half floats do not hold. */
-static void half_floats_of_a_lattice_lose_nothing(void **state)
+TEST_BETWEEN(half_floats_of_a_lattice_lose_nothing, setup, teardown)
 {
     fixture *f = *state;
     iso_planned_lattices lattices;
@@ -294,7 +294,7 @@ static double largest_df3_error(const fixture *f, const iso_planned_crop *crop, 
 }
 
 /* The planted faults: a value between two steps, and steps that are too many for 16 bits. */
-static void sixteen_bits_of_a_crop_lose_nothing(void **state)
+TEST_BETWEEN(sixteen_bits_of_a_crop_lose_nothing, setup, teardown)
 {
     fixture *f = *state;
     iso_planned p;
@@ -332,7 +332,7 @@ static size_t wrong_directions(const fixture *f, const iso_planned_crop *crop, s
 }
 
 /* The planted fault: a node that is not lit has a direction, which no file may have. */
-static void directions_of_a_crop_are_those_of_its_lit_nodes(void **state)
+TEST_BETWEEN(directions_of_a_crop_are_those_of_its_lit_nodes, setup, teardown)
 {
     fixture *f = *state;
     iso_planned p;
@@ -354,14 +354,4 @@ static void directions_of_a_crop_are_those_of_its_lit_nodes(void **state)
     iso_planned_destroy(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(a_lattice_depends_neither_on_threads_nor_on_how_level_0_is_stored, setup,
-                                        teardown),
-        cmocka_unit_test_setup_teardown(half_floats_of_a_lattice_lose_nothing, setup, teardown),
-        cmocka_unit_test_setup_teardown(sixteen_bits_of_a_crop_lose_nothing, setup, teardown),
-        cmocka_unit_test_setup_teardown(directions_of_a_crop_are_those_of_its_lit_nodes, setup, teardown),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

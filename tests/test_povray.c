@@ -23,36 +23,31 @@ static void check_lock_step(comparison c)
     end_comparison(&c);
 }
 
-static void lock_step_agrees_in_perspective(void **state)
+TEST(lock_step_agrees_in_perspective)
 {
-    (void)state;
     check_lock_step(lock_step(0, false, 256));
 }
 
-static void lock_step_agrees_in_orthographic_projection(void **state)
+TEST(lock_step_agrees_in_orthographic_projection)
 {
-    (void)state;
     check_lock_step(lock_step(1, true, 256));
 }
 
-static void lock_step_agrees_with_a_table_of_4096_entries(void **state)
+TEST(lock_step_agrees_with_a_table_of_4096_entries)
 {
-    (void)state;
     check_lock_step(lock_step(1, false, 4096));
 }
 
-static void lock_step_agrees_from_inside_the_volume(void **state)
+TEST(lock_step_agrees_from_inside_the_volume)
 {
-    (void)state;
     comparison c = lock_step(0, false, 256);
     c.view.camera.position = iso_madd(iso_geometry_box_center_mm(&c.pyramid.levels[0].geometry), c.view.camera.right,
                                       5);
     check_lock_step(c);
 }
 
-static void lock_step_agrees_with_planes(void **state)
+TEST(lock_step_agrees_with_planes)
 {
-    (void)state;
     comparison c = lock_step(0, false, 256);
     double rmse, most;
     iso_image wanted;
@@ -74,9 +69,8 @@ static void lock_step_agrees_with_planes(void **state)
     end_comparison(&c);
 }
 
-static void lock_step_agrees_with_float_directions(void **state)
+TEST(lock_step_agrees_with_float_directions)
 {
-    (void)state;
     comparison c = lock_step(1, false, 256);
     c.options.float_directions = true;
     iso_reference_options opt = iso_reference_defaults();
@@ -151,21 +145,18 @@ static comparison lock_step_of_level(size_t level)
     return lock_step(level, false, 256);
 }
 
-static void lock_step_agrees_at_a_level_that_overhangs_and_rejects_planted_faults(void **state)
+TEST(lock_step_agrees_at_a_level_that_overhangs_and_rejects_planted_faults)
 {
-    (void)state;
     check_faults(lock_step_of_level, false, lock_step_max);
 }
 
-static void converged_agrees_and_rejects_planted_faults(void **state)
+TEST(converged_agrees_and_rejects_planted_faults)
 {
-    (void)state;
     check_faults(converged, true, converged_rmse);
 }
 
-static void halving_the_intervals_quarters_the_error_and_the_limit_lies_within_its_bars(void **state)
+TEST(halving_the_intervals_quarters_the_error_and_the_limit_lies_within_its_bars)
 {
-    (void)state;
     comparison c = converged(1);
     iso_image images[3], limit, reference;
     double error[3], order, limit_error;
@@ -207,9 +198,8 @@ static uint32_t big_endian(const char *bytes, size_t count)
     return value;
 }
 
-static void df3_files_are_big_endian_with_a_rim_of_edge_values(void **state)
+TEST(df3_files_are_big_endian_with_a_rim_of_edge_values)
 {
-    (void)state;
     char *dir = iso_make_temp_dir(), *path = iso_path_join(dir, "a.df3"), *data;
     const size_t size[3] = {4, 3, 2};
     float values[24];
@@ -277,9 +267,8 @@ static void read_run(const void *user, size_t first, size_t count, float *out)
     s->read += count;
 }
 
-static void df3_files_of_runs_are_those_of_all_samples(void **state)
+TEST(df3_files_of_runs_are_those_of_all_samples)
 {
-    (void)state;
     run_source user = {.read = 0};
     char *dir = iso_make_temp_dir(), *paths[3], *data[3];
     const size_t count = sizeof user.values / sizeof *user.values;
@@ -330,9 +319,8 @@ static double largest_color_difference(const iso_image *png, const iso_image *im
  * both of the passes that a render is made of. */
 static const double png_max = 4e-5;
 
-static void an_exported_folder_renders_where_it_lies(void **state)
+TEST(an_exported_folder_renders_where_it_lies)
 {
-    (void)state;
     comparison c = lock_step(1, true, 300);
     c.options.planes = 2;
     char *base = iso_make_temp_dir(), *dir = iso_path_join(base, "two words"), *program;
@@ -373,9 +361,8 @@ static void an_exported_folder_renders_where_it_lies(void **state)
     end_comparison(&c);
 }
 
-static void options_outside_their_limits_are_refused(void **state)
+TEST(options_outside_their_limits_are_refused)
 {
-    (void)state;
     comparison c = lock_step(0, false, 256);
     iso_image image;
     const iso_povray_options good = c.options;
@@ -392,9 +379,8 @@ static void options_outside_their_limits_are_refused(void **state)
     end_comparison(&c);
 }
 
-static void a_missing_program_is_named(void **state)
+TEST(a_missing_program_is_named)
 {
-    (void)state;
     comparison c = lock_step(1, false, 256);
     iso_image image;
     char version[32];
@@ -420,9 +406,8 @@ static void count_line(void *user, const char *line)
     ++*(int *)user;
 }
 
-static void one_that_is_ended_at_its_limit_is_not_started_again(void **state)
+TEST(one_that_is_ended_at_its_limit_is_not_started_again)
 {
-    (void)state;
     int lines = 0;
     iso_process_outcome outcome;
     const iso_process_options options = {.line = count_line,
@@ -440,9 +425,9 @@ static void count_and_interrupt(void *user, const char *line)
     raise(SIGTERM);
 }
 
-static void one_that_a_person_ends_is_not_started_again(void **state)
+/* The last one: who was interrupted starts nothing again. */
+TEST(one_that_a_person_ends_is_not_started_again)
 {
-    (void)state;
     int lines = 0;
     const iso_process_options options = {.line = count_and_interrupt, .user = &lines};
     iso_error err = {""};
@@ -451,26 +436,4 @@ static void one_that_a_person_ends_is_not_started_again(void **state)
     assert_int_equal(lines, 1);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lock_step_agrees_in_perspective),
-        cmocka_unit_test(lock_step_agrees_in_orthographic_projection),
-        cmocka_unit_test(lock_step_agrees_with_a_table_of_4096_entries),
-        cmocka_unit_test(lock_step_agrees_from_inside_the_volume),
-        cmocka_unit_test(lock_step_agrees_with_planes),
-        cmocka_unit_test(lock_step_agrees_with_float_directions),
-        cmocka_unit_test(lock_step_agrees_at_a_level_that_overhangs_and_rejects_planted_faults),
-        cmocka_unit_test(converged_agrees_and_rejects_planted_faults),
-        cmocka_unit_test(halving_the_intervals_quarters_the_error_and_the_limit_lies_within_its_bars),
-        cmocka_unit_test(df3_files_are_big_endian_with_a_rim_of_edge_values),
-        cmocka_unit_test(df3_files_of_runs_are_those_of_all_samples),
-        cmocka_unit_test(an_exported_folder_renders_where_it_lies),
-        cmocka_unit_test(options_outside_their_limits_are_refused),
-        cmocka_unit_test(a_missing_program_is_named),
-        cmocka_unit_test(one_that_is_ended_at_its_limit_is_not_started_again),
-        /* The last one: who was interrupted starts nothing again. */
-        cmocka_unit_test(one_that_a_person_ends_is_not_started_again),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -38,9 +38,8 @@ static double entry_beside_the_center(const iso_geometry *g, const iso_camera *c
 
 /* POV-Ray takes surfaces within 0.001 units for one: a box of 100 units loses the rest of rays that enter so near to a
  * cutting plane. */
-static void a_plane_that_meets_the_box_where_a_ray_enters_takes_nothing_away(void **state)
+TEST(a_plane_that_meets_the_box_where_a_ray_enters_takes_nothing_away)
 {
-    (void)state;
     comparison c = converged(0);
     const iso_geometry *g = &c.pyramid.levels[0].geometry;
     iso_view turned = oblique_view(g, true, 256);
@@ -64,9 +63,8 @@ static void a_plane_that_meets_the_box_where_a_ray_enters_takes_nothing_away(voi
     end_comparison(&c);
 }
 
-static void an_isosurface_is_the_first_hit_of_the_reference(void **state)
+TEST(an_isosurface_is_the_first_hit_of_the_reference)
 {
-    (void)state;
     comparison c = lock_step(0, false, 256);
     c.quadrature = ISO_QUADRATURE_FIRST_HIT;
     c.options.isosurface = true;
@@ -149,21 +147,12 @@ static double sphere_error(size_t n)
     return sum / (double)count;
 }
 
-static void an_isosurface_of_a_sphere_converges_with_the_square_of_the_spacing(void **state)
+TEST(an_isosurface_of_a_sphere_converges_with_the_square_of_the_spacing)
 {
-    (void)state;
     const double coarse = sphere_error(16), fine = sphere_error(32);
     /* Trilinear interpolation of |p| and of p / |p|: second order in a spacing of a tenth of the radius. */
     assert_at_most(fine, 1e-3);
     assert_more_than(coarse / fine, 3);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plane_that_meets_the_box_where_a_ray_enters_takes_nothing_away),
-        cmocka_unit_test(an_isosurface_is_the_first_hit_of_the_reference),
-        cmocka_unit_test(an_isosurface_of_a_sphere_converges_with_the_square_of_the_spacing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -39,9 +39,8 @@ static void sum_mean(const iso_tf_table *tf, double a, double b, double mean[4])
     }
 }
 
-static void means_are_those_of_a_fine_sum(void **state)
+TEST(means_are_those_of_a_fine_sum)
 {
-    (void)state;
     static const double ends[][2] = {{-3, 7},    {7, -3}, {-0.3, 0.2}, {0.001, 0.0011}, {-0.02, 0.13}, {2.9, 3.4},
                                      {-20, 0.5}, {5, 40}, {-9, 30},    {-9, -5},        {8, 11}};
     iso_tf_table tf = make_table();
@@ -57,9 +56,8 @@ static void means_are_those_of_a_fine_sum(void **state)
     iso_tf_integral_destroy(&integral);
 }
 
-static void equal_values_give_the_transfer_function_itself(void **state)
+TEST(equal_values_give_the_transfer_function_itself)
 {
-    (void)state;
     iso_tf_table tf = make_table();
     iso_tf_integral integral;
     assert_ok(iso_tf_integral_create(&integral, &tf, &err));
@@ -118,9 +116,8 @@ static double alpha_of(const iso_level *level, const iso_view *view, iso_quadrat
 
 /* A triangle of entries 399, 400, 401 of 1000 over 7 mm has an optical depth of sigma * 7 / 1000, at any step that
  * stays on the ramp; the midpoint rule, which falls beside it, is the fault that the tolerance rejects. */
-static void a_shell_thinner_than_a_step_keeps_its_opacity(void **state)
+TEST(a_shell_thinner_than_a_step_keeps_its_opacity)
 {
-    (void)state;
     float *table = calloc(4 * 1001, sizeof *table);
     table[4 * 400 + 3] = 100;
     table[4 * 400] = 1;
@@ -191,9 +188,8 @@ static iso_image render_gl(iso_gl *gl, const scene_of_field *s, size_t level, bo
 /* 5e-5: texture coordinates and filter weights are floats, and a thin shell turns 1e-6 of a value into as much more
  * opacity as it is steep. Skipping changes nothing but rounding, though segments reach out of their bricks. The
  * midpoint rule, and sums without what floats leave of them, would be caught. */
-static void the_ray_caster_agrees_with_the_reference(void **state)
+TEST(the_ray_caster_agrees_with_the_reference)
 {
-    (void)state;
     static const struct {
         const char *path;
         iso_field_kind kind;
@@ -229,9 +225,8 @@ static void the_ray_caster_agrees_with_the_reference(void **state)
 }
 
 /* At half a voxel a step the error of a shell thinner than a voxel falls to less than half of the midpoint's. */
-static void it_is_nearer_to_the_converged_image_than_the_midpoint_rule(void **state)
+TEST(it_is_nearer_to_the_converged_image_than_the_midpoint_rule)
 {
-    (void)state;
     scene_of_field s = make_scene("refscenes/shells.scene.json", ISO_FIELD_SHELLS, ISO_U16);
     double rmse[2];
     iso_reference_options opt = iso_reference_defaults();
@@ -254,14 +249,4 @@ static void it_is_nearer_to_the_converged_image_than_the_midpoint_rule(void **st
     destroy_scene(&s);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(means_are_those_of_a_fine_sum),
-        cmocka_unit_test(equal_values_give_the_transfer_function_itself),
-        cmocka_unit_test(a_shell_thinner_than_a_step_keeps_its_opacity),
-        cmocka_unit_test(the_ray_caster_agrees_with_the_reference),
-        cmocka_unit_test(it_is_nearer_to_the_converged_image_than_the_midpoint_rule),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

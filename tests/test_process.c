@@ -28,9 +28,8 @@ static bool go_on_twice(void *user, const char *stage, double fraction)
 }
 
 /* Without the request the program would run for an hour. */
-static void a_canceled_call_ends_its_program(void **state)
+TEST(a_canceled_call_ends_its_program)
 {
-    (void)state;
     const char *argv[] = {"/bin/sleep", "3600", NULL};
     int calls = 0;
     iso_error err = {""};
@@ -41,27 +40,24 @@ static void a_canceled_call_ends_its_program(void **state)
     assert_int_equal(calls, 3);
 }
 
-static void an_exit_code_is_reported_with_the_line_that_speaks_of_an_error(void **state)
+TEST(an_exit_code_is_reported_with_the_line_that_speaks_of_an_error)
 {
-    (void)state;
     const char *argv[] = {"/bin/sh", "-c", "echo one; echo an error here; echo three; exit 3", NULL};
     iso_error err = {""};
     assert_int_equal(iso_process_run(argv, NULL, &err), ISO_E_PROGRAM);
     assert_non_null(strstr(err.text, "exit code 3: an error here"));
 }
 
-static void a_program_that_takes_too_long_is_ended(void **state)
+TEST(a_program_that_takes_too_long_is_ended)
 {
-    (void)state;
     const char *argv[] = {"/bin/sh", "-c", "sleep 3600 & sleep 3600", NULL};
     const iso_process_options options = {.timeout_seconds = 0.1};
     assert_status(iso_process_run(argv, &options, &err), ISO_E_PROGRAM);
 }
 
 /* It closes its output, so that there is nothing to wait for but its end. */
-static void one_that_hangs_in_silence_is_ended_too(void **state)
+TEST(one_that_hangs_in_silence_is_ended_too)
 {
-    (void)state;
     const char *argv[] = {"/bin/sh", "-c", "exec >&- 2>&-; sleep 3600", NULL};
     const iso_process_options options = {.timeout_seconds = 0.2};
     iso_error err = {""};
@@ -73,9 +69,8 @@ static void one_that_hangs_in_silence_is_ended_too(void **state)
 }
 
 /* Who asks for a run may allow less than the usual limit, never more; 0 is no limit. */
-static void the_less_of_two_limits_holds(void **state)
+TEST(the_less_of_two_limits_holds)
 {
-    (void)state;
     static const struct {
         double own, usual, said;
     } cases[] = {{30, 0.2, 0.2}, {0.3, 30, 0.3}, {0, 0.2, 0.2}, {0.3, 0, 0.3}};
@@ -104,9 +99,8 @@ static void send_interrupt(void *user, const char *line)
     raise(SIGTERM);
 }
 
-static void a_signal_ends_the_program_and_is_a_failure(void **state)
+TEST(a_signal_ends_the_program_and_is_a_failure)
 {
-    (void)state;
     const char *argv[] = {"/bin/sh", "-c", "echo ready; exec sleep 3600", NULL};
     const iso_process_options options = {.line = send_interrupt};
     iso_error err = {""};
@@ -134,9 +128,8 @@ static void *run_in_a_thread(void *user)
 }
 
 /* The second says "ready" when the first runs: each waits at the fifo for the other. */
-static void programs_of_two_threads_run_at_once_and_one_signal_ends_both(void **state)
+TEST(programs_of_two_threads_run_at_once_and_one_signal_ends_both)
 {
-    (void)state;
     char *fifo = iso_path_join(folder, "fifo");
     assert_int_equal(mkfifo(fifo, 0600), 0);
     const iso_sandbox_wish all_rights = {.kind = ISO_SANDBOX_NONE}; /* the fifo is in no folder of theirs */
@@ -160,9 +153,8 @@ static void programs_of_two_threads_run_at_once_and_one_signal_ends_both(void **
 }
 
 /* Also what moved to a session of its own, and would go on when the program has ended well. */
-static void nothing_that_it_started_outlives_it(void **state)
+TEST(nothing_that_it_started_outlives_it)
 {
-    (void)state;
     long pid = 0;
     const char *argv[] = {"/bin/sh", "-c", "setsid sleep 3600 >&- 2>&- & echo $!; exit 5", NULL};
     const iso_process_options options = {.line = keep_pid, .user = &pid};
@@ -184,9 +176,8 @@ static void nothing_that_it_started_outlives_it(void **state)
 }
 
 /* A program that cannot be started is reported with the system's reason, not as an exit code of the program. */
-static void one_that_cannot_be_started_says_why(void **state)
+TEST(one_that_cannot_be_started_says_why)
 {
-    (void)state;
     const char *echo[] = {"/bin/sh", "-c", "exit 127", NULL};
     iso_error err = {""};
     assert_int_equal(iso_process_run(echo, NULL, &err), ISO_E_PROGRAM);
@@ -207,9 +198,8 @@ static void one_that_cannot_be_started_says_why(void **state)
 
 /* As a user whose processes are as many as may be: root may have any number. A process of its own, since rights do not
  * come back. The supervisor may be there and the program not, or neither. */
-static void where_no_process_can_be_had_it_is_told_so(void **state)
+TEST(where_no_process_can_be_had_it_is_told_so)
 {
-    (void)state;
     enum { NOBODY = 54321 };
     if (getuid() != 0)
         skip();
@@ -247,9 +237,8 @@ static void spoil_pipes(void *user, const char *line)
 }
 
 /* It would go on for as long as it likes, since nothing is written that could not be. */
-static void one_whose_output_cannot_be_read_is_ended_and_not_to_blame(void **state)
+TEST(one_whose_output_cannot_be_read_is_ended_and_not_to_blame)
 {
-    (void)state;
     const char *argv[] = {"/bin/sh", "-c", "echo ready; exec sleep 3600", NULL};
     int spoiled = 0;
     iso_process_outcome outcome = {.exit_code = 0};
@@ -282,11 +271,10 @@ static int call_as_32_bits(void)
 }
 
 /* In a process of its own, since a sandbox is for ever. A kernel without such calls ends it by a signal. */
-static void the_sandbox_refuses_sockets_of_32_bits_too(void **state)
+TEST(the_sandbox_refuses_sockets_of_32_bits_too)
 {
     static const iso_sandbox_kind kinds[] = {ISO_SANDBOX_CLOSED, ISO_SANDBOX_DEVICE};
     char text[200];
-    (void)state;
     iso_sandbox_describe(text, sizeof text);
     if (!strstr(text, "use no network"))
         skip();
@@ -315,9 +303,8 @@ static void tell_pid(void *user, const char *line)
         _exit(2);
 }
 
-static void a_killed_caller_leaves_nothing_running(void **state)
+TEST(a_killed_caller_leaves_nothing_running)
 {
-    (void)state;
     int fds[2];
     assert_int_equal(pipe(fds), 0);
     const pid_t caller = fork();
@@ -360,9 +347,8 @@ static const char *const answering[] = {
     "echo hello; echo done; while read -r l; do [ \"$l\" = end ] && echo an error is here && exit 3; echo \"$l\"; echo done; done",
     NULL};
 
-static void a_program_that_stays_answers_line_by_line(void **state)
+TEST(a_program_that_stays_answers_line_by_line)
 {
-    (void)state;
     iso_process *p;
     int lines = 0;
     bool ended = true;
@@ -403,9 +389,8 @@ static void a_program_that_stays_answers_line_by_line(void **state)
 }
 
 /* What stderr has when the signal ends a process that left such words. */
-static void a_signal_that_ends_the_process_says_how_to_go_on(void **state)
+TEST(a_signal_that_ends_the_process_says_how_to_go_on)
 {
-    (void)state;
     static const struct {
         int signal;
         const char *said;
@@ -432,26 +417,4 @@ static void a_signal_that_ends_the_process_says_how_to_go_on(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_signal_that_ends_the_process_says_how_to_go_on),
-        cmocka_unit_test(a_canceled_call_ends_its_program),
-        cmocka_unit_test(an_exit_code_is_reported_with_the_line_that_speaks_of_an_error),
-        cmocka_unit_test(a_program_that_takes_too_long_is_ended),
-        cmocka_unit_test(one_that_hangs_in_silence_is_ended_too),
-        cmocka_unit_test(the_less_of_two_limits_holds),
-        cmocka_unit_test(one_whose_output_cannot_be_read_is_ended_and_not_to_blame),
-        cmocka_unit_test(one_that_cannot_be_started_says_why),
-        cmocka_unit_test(where_no_process_can_be_had_it_is_told_so),
-#ifdef __x86_64__
-        cmocka_unit_test(the_sandbox_refuses_sockets_of_32_bits_too),
-#endif
-        cmocka_unit_test(nothing_that_it_started_outlives_it),
-        cmocka_unit_test(a_signal_ends_the_program_and_is_a_failure),
-        cmocka_unit_test(programs_of_two_threads_run_at_once_and_one_signal_ends_both),
-        cmocka_unit_test(a_killed_caller_leaves_nothing_running),
-        cmocka_unit_test(a_program_that_stays_answers_line_by_line),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -12,9 +12,8 @@ static const char *text_of(const char *name, double fraction, double seconds, si
     return text;
 }
 
-static void the_line_has_the_step_the_percent_and_the_time(void **state)
+TEST(the_line_has_the_step_the_percent_and_the_time)
 {
-    (void)state;
     assert_string_equal(text_of("level 1: cycles-limit", 0.439, 78.9, 0),
                         "validate: level 1: cycles-limit   43 %, 1 min 18 s");
     assert_string_equal(text_of("report", 0.999, 59.9, 0), "validate: report   99 %, 59 s");
@@ -22,9 +21,8 @@ static void the_line_has_the_step_the_percent_and_the_time(void **state)
     assert_string_equal(text_of("build", 0.5, 7512, 0), "validate: build   50 %, 2 h 05 min");
 }
 
-static void a_narrow_terminal_shortens_the_step_and_then_the_rest(void **state)
+TEST(a_narrow_terminal_shortens_the_step_and_then_the_rest)
 {
-    (void)state;
     assert_string_equal(text_of("level 1: cycles-limit", 0.43, 78, 42), "validate: level 1: cycl   43 %, 1 min 18 s");
     for (size_t columns = 1; columns < 80; ++columns)
         assert_true(strlen(text_of("level 1: cycles-limit", 0.43, 78, columns)) <= columns);
@@ -33,9 +31,8 @@ static void a_narrow_terminal_shortens_the_step_and_then_the_rest(void **state)
     assert_string_equal(text_of("\xc3\xa9\xc3\xa9\xc3\xa9", 0.43, 7, 25), "validate: \xc3\xa9   43 %, 7 s");
 }
 
-static void the_percent_is_of_all_steps_and_never_falls(void **state)
+TEST(the_percent_is_of_all_steps_and_never_falls)
 {
-    (void)state;
     iso_progress_line *line = iso_progress_line_create("test");
     const iso_progress p = iso_progress_of_line(line);
     static const struct {
@@ -60,9 +57,8 @@ static void the_percent_is_of_all_steps_and_never_falls(void **state)
     iso_progress_line_destroy(line);
 }
 
-static void without_a_line_all_is_silent(void **state)
+TEST(without_a_line_all_is_silent)
 {
-    (void)state;
     const iso_progress silent = iso_progress_of_line(NULL);
     iso_progress_report(&silent, "part", 0.5);
     iso_progress_line_expect(NULL, "part", 1);
@@ -71,13 +67,4 @@ static void without_a_line_all_is_silent(void **state)
     iso_progress_line_destroy(NULL);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_line_has_the_step_the_percent_and_the_time),
-        cmocka_unit_test(a_narrow_terminal_shortens_the_step_and_then_the_rest),
-        cmocka_unit_test(the_percent_is_of_all_steps_and_never_falls),
-        cmocka_unit_test(without_a_line_all_is_silent),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

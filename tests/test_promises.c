@@ -47,9 +47,8 @@ static iso_volume cone_volume(const iso_geometry *g)
 
 /* ---- exactness ---- */
 
-static void a_constant_gradient_is_kept_at_every_level(void **state)
+TEST(a_constant_gradient_is_kept_at_every_level)
 {
-    (void)state;
     const iso_geometry g = oblique(9, 7, 11);
     const iso_vec3 slope = iso_v3(0.8, -1.1, 0.5), unit = iso_normalize(slope);
     iso_volume v;
@@ -126,9 +125,8 @@ static double smooth_error(size_t n, size_t level, iso_direction_filter filter, 
     return sqrt(sum / (double)count);
 }
 
-static void directions_of_smooth_fields_converge_with_order_2(void **state)
+TEST(directions_of_smooth_fields_converge_with_order_2)
 {
-    (void)state;
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter)
         for (size_t level = 1; level < 3; ++level) {
             const double coarse = smooth_error(32, level, (iso_direction_filter)filter, ISO_GRADIENT_CENTRAL);
@@ -153,9 +151,8 @@ static size_t outside_cone(const iso_level *l, double cosine)
 
 /* Vectors of a cone, weighed by positive numbers, stay in it; so does the main axis of their tensor where the cone's
  * half angle is below 45 degrees, as T then maps the cone into itself (Perron and Frobenius). */
-static void directions_stay_in_the_cone_of_their_children(void **state)
+TEST(directions_stay_in_the_cone_of_their_children)
 {
-    (void)state;
     const iso_geometry g = plain(16, 15, 17);
     iso_volume v = cone_volume(&g);
     const struct {
@@ -195,9 +192,8 @@ static void directions_stay_in_the_cone_of_their_children(void **state)
 
 /* ---- coherence ---- */
 
-static void parallel_gradients_keep_their_length(void **state)
+TEST(parallel_gradients_keep_their_length)
 {
-    (void)state;
     iso_geometry g = plain(8, 6, 4);
     iso_volume v;
     assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
@@ -220,9 +216,8 @@ static void parallel_gradients_keep_their_length(void **state)
 }
 
 /* 0 1 1 0 repeated has the gradients + + - - of one length: level 1 keeps them, level 2 has nothing left. */
-static void opposite_gradients_cancel(void **state)
+TEST(opposite_gradients_cancel)
 {
-    (void)state;
     iso_geometry g = plain(16, 4, 4);
     iso_volume v;
     assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
@@ -244,9 +239,8 @@ static void opposite_gradients_cancel(void **state)
     iso_volume_destroy(&v);
 }
 
-static void volumes_without_gradients_have_no_directions(void **state)
+TEST(volumes_without_gradients_have_no_directions)
 {
-    (void)state;
     const size_t sizes[][3] = {{1, 1, 1}, {5, 1, 1}, {1, 4, 7}, {6, 6, 6}};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s)
         for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
@@ -283,9 +277,8 @@ static double largest_turned_difference(const iso_pyramid *p, const iso_pyramid 
     return largest;
 }
 
-static void turning_the_grid_turns_the_directions(void **state)
+TEST(turning_the_grid_turns_the_directions)
 {
-    (void)state;
     const iso_vec3 a = iso_normalize(iso_v3(1, 2, -0.5));
     const double c = cos(0.9), s = sin(0.9), t = 1 - c;
     const iso_mat3 turn = {{{c + t * a.x * a.x, t * a.x * a.y - s * a.z, t * a.x * a.z + s * a.y},
@@ -313,9 +306,8 @@ static void turning_the_grid_turns_the_directions(void **state)
 }
 
 /* (x, y, z) becomes (z, x, y): sizes, spacings and samples alike. */
-static void exchanging_axes_exchanges_components(void **state)
+TEST(exchanging_axes_exchanges_components)
 {
-    (void)state;
     const iso_geometry g = plain(10, 9, 8);
     iso_geometry other = iso_geometry_axis_aligned((size_t[]){8, 10, 9}, (double[]){2.5, 1, 0.75});
     const iso_mat3 turn = {{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}};
@@ -351,9 +343,8 @@ static void exchanging_axes_exchanges_components(void **state)
 }
 
 /* Mirrored volumes give mirrored bytes: pairs are summed alike in either order. */
-static void flipping_an_axis_flips_the_codes(void **state)
+TEST(flipping_an_axis_flips_the_codes)
 {
-    (void)state;
     const size_t n[3] = {8, 16, 12};
     for (int axis = 0; axis < 3; ++axis)
         for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
@@ -404,9 +395,8 @@ static size_t codes_apart(const iso_pyramid *p, const iso_pyramid *q, bool oppos
     return count;
 }
 
-static void scaling_and_offsetting_the_values_changes_no_direction(void **state)
+TEST(scaling_and_offsetting_the_values_changes_no_direction)
 {
-    (void)state;
     const struct {
         double a, b;
     } maps[] = {{0x1p-90, 0}, {0x1p+100, 0}, {3, 0}, {-1, 0}, {0.25, 0.5}};
@@ -445,9 +435,8 @@ static size_t codes_not_shifted(const iso_pyramid *p, const iso_pyramid *q, size
     return count;
 }
 
-static void shifting_by_whole_coarse_voxels_shifts_the_codes(void **state)
+TEST(shifting_by_whole_coarse_voxels_shifts_the_codes)
 {
-    (void)state;
     const size_t shift = 8, count = 64 * 12 * 9;
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
         iso_volume v = noise(64, 12, 9), w = noise(64, 12, 9);
@@ -511,9 +500,8 @@ static double moments_from_below(const iso_pyramid *p, bool directions_alone)
     return largest;
 }
 
-static void moments_are_sums_of_those_below_and_not_of_stored_directions(void **state)
+TEST(moments_are_sums_of_those_below_and_not_of_stored_directions)
 {
-    (void)state;
     iso_volume v = noise(19, 16, 13);
     const iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
     iso_pyramid p = build(&v, &opt);
@@ -543,9 +531,8 @@ static size_t changed_elsewhere(const iso_pyramid *p, const iso_pyramid *q, cons
     return count;
 }
 
-static void a_voxel_reaches_only_what_lies_above_its_stencil(void **state)
+TEST(a_voxel_reaches_only_what_lies_above_its_stencil)
 {
-    (void)state;
     const size_t changed[3] = {13, 8, 7};
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
         iso_volume v = noise(24, 20, 16);
@@ -565,22 +552,4 @@ static void a_voxel_reaches_only_what_lies_above_its_stencil(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_constant_gradient_is_kept_at_every_level),
-        cmocka_unit_test(directions_of_smooth_fields_converge_with_order_2),
-        cmocka_unit_test(directions_stay_in_the_cone_of_their_children),
-        cmocka_unit_test(parallel_gradients_keep_their_length),
-        cmocka_unit_test(opposite_gradients_cancel),
-        cmocka_unit_test(volumes_without_gradients_have_no_directions),
-        cmocka_unit_test(turning_the_grid_turns_the_directions),
-        cmocka_unit_test(exchanging_axes_exchanges_components),
-        cmocka_unit_test(flipping_an_axis_flips_the_codes),
-        cmocka_unit_test(scaling_and_offsetting_the_values_changes_no_direction),
-        cmocka_unit_test(shifting_by_whole_coarse_voxels_shifts_the_codes),
-        cmocka_unit_test(moments_are_sums_of_those_below_and_not_of_stored_directions),
-        cmocka_unit_test(a_voxel_reaches_only_what_lies_above_its_stencil),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -65,9 +65,8 @@ static const char *geometry_fails(const unsigned *n)
     return NULL;
 }
 
-static void any_affine_geometry_maps_there_and_back(void **state)
+TEST(any_affine_geometry_maps_there_and_back)
 {
-    (void)state;
     static const iso_property p = {
         "geometry", 15, {[0] = 1000, [9] = 100, [12] = 40}, .cases = 20000, .fails = geometry_fails};
     assert_property(&p);
@@ -109,9 +108,8 @@ static const char *tf_fails(const unsigned *n)
     return why;
 }
 
-static void points_in_any_order_are_refused_or_stay_within_their_colors(void **state)
+TEST(points_in_any_order_are_refused_or_stay_within_their_colors)
 {
-    (void)state;
     static const iso_property p = {
         "transfer function", 22, {[0] = 10, [1] = 1000, [8] = 1000, [16] = 1000}, .cases = 400, .fails = tf_fails};
     assert_property(&p);
@@ -140,9 +138,8 @@ static const char *code_fails(const unsigned *n)
     return NULL;
 }
 
-static void any_direction_comes_back_from_each_code(void **state)
+TEST(any_direction_comes_back_from_each_code)
 {
-    (void)state;
     static const iso_property p = {"code", 3, {1000}, .cases = 4000, .fails = code_fails};
     assert_property(&p);
 }
@@ -205,9 +202,8 @@ static const char *pyramid_fails(const unsigned *n)
     return why;
 }
 
-static void pyramids_of_1_to_40_voxels_an_axis_are_whole(void **state)
+TEST(pyramids_of_1_to_40_voxels_an_axis_are_whole)
 {
-    (void)state;
     static const iso_property p = {
         "pyramid", 8, {[0] = 39, [3] = 3, [5] = 1000, [6] = 1, [7] = 2}, .cases = 60, .fails = pyramid_fails};
     assert_property(&p);
@@ -221,9 +217,8 @@ static const char *planted_fails(const unsigned *n)
     return n[1] >= 37 && n[3] > 5 ? "planted" : NULL;
 }
 
-static void a_planted_fault_is_found_and_shrunk(void **state)
+TEST(a_planted_fault_is_found_and_shrunk)
 {
-    (void)state;
     static const iso_property p = {"planted", 5, {1000}, .cases = 100, .fails = planted_fails};
     const char *failed = iso_property_try(&p);
     assert_non_null(failed);
@@ -231,14 +226,4 @@ static void a_planted_fault_is_found_and_shrunk(void **state)
         fail_msg("%s", failed);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(any_affine_geometry_maps_there_and_back),
-        cmocka_unit_test(points_in_any_order_are_refused_or_stay_within_their_colors),
-        cmocka_unit_test(any_direction_comes_back_from_each_code),
-        cmocka_unit_test(pyramids_of_1_to_40_voxels_an_axis_are_whole),
-        cmocka_unit_test(a_planted_fault_is_found_and_shrunk),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

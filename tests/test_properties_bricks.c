@@ -120,9 +120,8 @@ static const char *field_fails(const unsigned *n)
     return field_fails_with(n, ISO_FACES_BAKED);
 }
 
-static void bricks_agree_on_shared_faces_and_show_each_voxel(void **state)
+TEST(bricks_agree_on_shared_faces_and_show_each_voxel)
 {
-    (void)state;
     static const iso_property p = {"bricks", NUMBERS, ANY_BRICKS, .cases = 200, .fails = field_fails};
     assert_property(&p);
 }
@@ -180,9 +179,8 @@ static const char *cache_fails(const unsigned *n)
     return cache_fails_with(n, 0);
 }
 
-static void each_node_has_a_place_of_its_own_in_the_cache(void **state)
+TEST(each_node_has_a_place_of_its_own_in_the_cache)
 {
-    (void)state;
     static const iso_property p = {"cache", NUMBERS, ANY_BRICKS, .cases = 300, .fails = cache_fails};
     assert_property(&p);
 }
@@ -219,9 +217,8 @@ static const char *store_fails(const unsigned *n)
     return store_fails_with(n, false);
 }
 
-static void a_store_that_follows_a_change_is_one_made_from_nothing(void **state)
+TEST(a_store_that_follows_a_change_is_one_made_from_nothing)
 {
-    (void)state;
     static const iso_property p = {"store", NUMBERS, ANY_BRICKS, .cases = 100, .fails = store_fails};
     assert_property(&p);
 }
@@ -323,9 +320,8 @@ static const char *plan_fails(const unsigned *n)
     return plan_fails_with(n, false);
 }
 
-static void a_plan_stays_within_its_error_and_more_error_is_no_more_model(void **state)
+TEST(a_plan_stays_within_its_error_and_more_error_is_no_more_model)
 {
-    (void)state;
     static const iso_property p = {"plan", PLAN_NUMBERS, ANY_PLAN, .cases = 400, .fails = plan_fails};
     assert_property(&p);
 }
@@ -370,9 +366,8 @@ static const char *file_fails(const unsigned *n)
     return file_fails_with(n, false);
 }
 
-static void a_plan_is_read_as_it_was_written(void **state)
+TEST(a_plan_is_read_as_it_was_written)
 {
-    (void)state;
     static const iso_property p = {"plan file", NUMBERS, ANY_BRICKS, .cases = 100, .fails = file_fails};
     assert_property(&p);
 }
@@ -409,9 +404,8 @@ static void assert_shrunk(const iso_property *p, const char *smallest)
         fail_msg("%s; not %s", failed, smallest);
 }
 
-static void planted_faults_are_found_and_shrunk(void **state)
+TEST(planted_faults_are_found_and_shrunk)
 {
-    (void)state;
     static const iso_property planted[] = {{"faces", NUMBERS, ANY_BRICKS, .cases = 60, .fails = planted_faces},
                                            {"cache", NUMBERS, ANY_BRICKS, .cases = 60, .fails = planted_cache},
                                            {"store", NUMBERS, ANY_BRICKS, .cases = 60, .fails = planted_store},
@@ -428,15 +422,4 @@ static void planted_faults_are_found_and_shrunk(void **state)
         assert_shrunk(&planted[i], smallest[i]);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bricks_agree_on_shared_faces_and_show_each_voxel),
-        cmocka_unit_test(each_node_has_a_place_of_its_own_in_the_cache),
-        cmocka_unit_test(a_store_that_follows_a_change_is_one_made_from_nothing),
-        cmocka_unit_test(a_plan_stays_within_its_error_and_more_error_is_no_more_model),
-        cmocka_unit_test(a_plan_is_read_as_it_was_written),
-        cmocka_unit_test(planted_faults_are_found_and_shrunk),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

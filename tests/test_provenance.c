@@ -21,9 +21,8 @@ static void expect_word(const char *word, const char *expected)
     free(text);
 }
 
-static void relative_paths_are_kept(void **state)
+TEST(relative_paths_are_kept)
 {
-    (void)state;
     expect_word("in/v.nrrd", "in/v.nrrd");
     expect_word("../in/", "../in/");
     expect_word("--scene=a/x.scene.json,b/y.scene.json", "--scene=a/x.scene.json,b/y.scene.json");
@@ -33,9 +32,8 @@ static void relative_paths_are_kept(void **state)
     expect_word("a b/c", "'a b/c'");
 }
 
-static void absolute_paths_are_shortened(void **state)
+TEST(absolute_paths_are_shortened)
 {
-    (void)state;
     expect_word("/home/jane/v.nrrd", "v.nrrd");
     expect_word("/home/jane/in/", "in/");
     expect_word("--scene=/home/jane/x.scene.json", "--scene=x.scene.json");
@@ -46,16 +44,14 @@ static void absolute_paths_are_shortened(void **state)
     expect_word("/home/jane/x.json,/home/jane/y.json", "x.json,y.json");
 }
 
-static void a_path_with_a_comma_leaves_no_folder(void **state)
+TEST(a_path_with_a_comma_leaves_no_folder)
 {
-    (void)state;
     expect_word("/home/jane, doe/x.json", "x.json");
     expect_word("--scene=/home/jane, doe/x.json", "--scene=x.json");
 }
 
-static void lines_follow_their_words(void **state)
+TEST(lines_follow_their_words)
 {
-    (void)state;
     char *line = iso_provenance_line("isoshade build in/a.nrrd '/home/jane doe/b.nrrd' && ls");
     assert_string_equal(line, "isoshade build in/a.nrrd b.nrrd && ls");
     free(line);
@@ -63,13 +59,4 @@ static void lines_follow_their_words(void **state)
     assert_string_equal(iso_provenance_path("/in/a"), "a");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(relative_paths_are_kept),
-        cmocka_unit_test(absolute_paths_are_shortened),
-        cmocka_unit_test(a_path_with_a_comma_leaves_no_folder),
-        cmocka_unit_test(lines_follow_their_words),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -116,9 +116,8 @@ static double largest_difference(const iso_level *l, const double *expected)
  * unit vector that cancellation has shortened to a tenth. */
 static const double float_sums = 1e-5;
 
-static void moments_equal_the_direct_sum_over_all_fine_children(void **state)
+TEST(moments_equal_the_direct_sum_over_all_fine_children)
 {
-    (void)state;
     iso_volume v = noise(11, 6, 9);
     iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
     iso_pyramid p = build(&v, &opt);
@@ -225,9 +224,8 @@ static void check_eq1(const eq1_case *c)
     iso_volume_destroy(&v);
 }
 
-static void equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients(void **state)
+TEST(equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients)
 {
-    (void)state;
     const eq1_case cases[] = {
         {2, 1, {9, 12, 7}, 1},   {1, 1, {9, 12, 7}, 0.7}, {3, 1, {9, 12, 7}, 1.6}, /* radius, with sigma */
         {2, 1, {8, 6, 10}, 0.4}, {2, 1, {8, 6, 10}, 100}, /* a narrow Gaussian, and a flat one */
@@ -240,9 +238,8 @@ static void equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients(
         check_eq1(&cases[c]);
 }
 
-static void naive_directions_are_unit_means(void **state)
+TEST(naive_directions_are_unit_means)
 {
-    (void)state;
     iso_volume v = noise(7, 8, 5);
     iso_pyramid_options opt = keeping(ISO_DIRECTION_NAIVE);
     iso_pyramid p = build(&v, &opt);
@@ -284,9 +281,8 @@ static iso_vec3 main_axis(const double t[6], double *gap)
     return e;
 }
 
-static void tensor_directions_are_the_main_axis_on_the_mean_s_side(void **state)
+TEST(tensor_directions_are_the_main_axis_on_the_mean_s_side)
 {
-    (void)state;
     iso_volume v = noise(12, 10, 8);
     iso_pyramid_options opt = keeping(ISO_DIRECTION_TENSOR);
     iso_pyramid p = build(&v, &opt);
@@ -322,9 +318,8 @@ static void tensor_directions_are_the_main_axis_on_the_mean_s_side(void **state)
 
 /* ---- scalars ---- */
 
-static void mean_scalars_continue_the_edge_at_odd_sizes(void **state)
+TEST(mean_scalars_continue_the_edge_at_odd_sizes)
 {
-    (void)state;
     iso_volume v = noise(5, 1, 10);
     iso_pyramid_options opt = iso_pyramid_defaults();
     iso_pyramid p = build(&v, &opt);
@@ -348,9 +343,8 @@ static void mean_scalars_continue_the_edge_at_odd_sizes(void **state)
     iso_volume_destroy(&v);
 }
 
-static void gaussian_scalars_equal_their_direct_sum(void **state)
+TEST(gaussian_scalars_equal_their_direct_sum)
 {
-    (void)state;
     iso_volume v = noise(7, 6, 5);
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.scalar_filter = ISO_SCALAR_GAUSS;
@@ -381,9 +375,8 @@ static void gaussian_scalars_equal_their_direct_sum(void **state)
 
 /* ---- which levels, and which bytes ---- */
 
-static void levels_of_a_single_voxel_are_left_out(void **state)
+TEST(levels_of_a_single_voxel_are_left_out)
 {
-    (void)state;
     const struct {
         size_t size[3], levels;
     } cases[] = {{{4, 1, 1}, 2}, {{1, 1, 1}, 1}, {{8, 5, 2}, 3}, {{9, 1, 1}, 4}};
@@ -398,9 +391,8 @@ static void levels_of_a_single_voxel_are_left_out(void **state)
     }
 }
 
-static void thread_counts_give_the_same_bytes(void **state)
+TEST(thread_counts_give_the_same_bytes)
 {
-    (void)state;
     iso_volume v = noise(17, 13, 11);
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
         iso_pyramid_options opt = keeping(filter);
@@ -420,9 +412,8 @@ static void thread_counts_give_the_same_bytes(void **state)
 
 /* Straight from the rows (fit, snorm) or by triples, with the floats or without: the bytes of the encoder. A shift
  * by one voxel, the planted fault, is not what is stored. */
-static void codes_are_those_of_the_directions_of_their_level(void **state)
+TEST(codes_are_those_of_the_directions_of_their_level)
 {
-    (void)state;
     iso_volume v = noise(13, 9, 10);
     for (iso_code code = 0; code < ISO_CODE_COUNT; ++code)
         for (iso_direction_filter f = 0; f < ISO_DIRECTION_COUNT && iso_code_describe(code)->is_textured; ++f) {
@@ -449,9 +440,8 @@ static void codes_are_those_of_the_directions_of_their_level(void **state)
     iso_volume_destroy(&v);
 }
 
-static void bad_options_and_voxels_are_refused(void **state)
+TEST(bad_options_and_voxels_are_refused)
 {
-    (void)state;
     iso_volume v = noise(4, 4, 4);
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
@@ -472,19 +462,4 @@ static void bad_options_and_voxels_are_refused(void **state)
     iso_volume_destroy(&v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(moments_equal_the_direct_sum_over_all_fine_children),
-        cmocka_unit_test(equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients),
-        cmocka_unit_test(naive_directions_are_unit_means),
-        cmocka_unit_test(tensor_directions_are_the_main_axis_on_the_mean_s_side),
-        cmocka_unit_test(mean_scalars_continue_the_edge_at_odd_sizes),
-        cmocka_unit_test(gaussian_scalars_equal_their_direct_sum),
-        cmocka_unit_test(levels_of_a_single_voxel_are_left_out),
-        cmocka_unit_test(thread_counts_give_the_same_bytes),
-        cmocka_unit_test(codes_are_those_of_the_directions_of_their_level),
-        cmocka_unit_test(bad_options_and_voxels_are_refused),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -14,9 +14,8 @@
 
 /* ---- files ---- */
 
-static void a_saved_pyramid_is_loaded_as_it_was(void **state)
+TEST(a_saved_pyramid_is_loaded_as_it_was)
 {
-    (void)state;
     const iso_type types[] = {ISO_U8, ISO_I16, ISO_U16, ISO_F32, ISO_F64};
     char *dir = iso_path_join(folder, "trip.iso");
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
@@ -48,9 +47,8 @@ static void a_saved_pyramid_is_loaded_as_it_was(void **state)
 
 /* Files of more than one of the pieces of 256 kB that are read at a time, none of which they fill at their end: 98153
  * voxels. */
-static void files_of_several_pieces_are_loaded_as_they_were(void **state)
+TEST(files_of_several_pieces_are_loaded_as_they_were)
 {
-    (void)state;
     char *dir = iso_path_join(folder, "long.iso");
     iso_volume v = noise(53, 47, 43);
     iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
@@ -94,9 +92,8 @@ static void refuse(const char *name, size_t keep_bytes, long flip_at, iso_status
     iso_volume_destroy(&v);
 }
 
-static void truncated_tampered_and_missing_files_are_refused(void **state)
+TEST(truncated_tampered_and_missing_files_are_refused)
 {
-    (void)state;
     refuse("level_0.nrrd", 400, -1, ISO_E_FORMAT);
     refuse("level_1_dir.nrrd", 300, -1, ISO_E_FORMAT);
     refuse("level_0.nrrd", 0, 500, ISO_E_FORMAT);
@@ -118,9 +115,8 @@ static void put_fitting_checksum(char *text, size_t size)
     memcpy(place, digits, 16);
 }
 
-static void a_description_with_impossible_values_is_refused(void **state)
+TEST(a_description_with_impossible_values_is_refused)
 {
-    (void)state;
     const struct {
         const char *from, *to;
         iso_status status;
@@ -175,9 +171,8 @@ static void a_description_with_impossible_values_is_refused(void **state)
     iso_volume_destroy(&v);
 }
 
-static void a_folder_that_is_not_a_pyramid_is_left_alone(void **state)
+TEST(a_folder_that_is_not_a_pyramid_is_left_alone)
 {
-    (void)state;
     iso_volume v = noise(3, 3, 3);
     iso_pyramid_options opt = iso_pyramid_defaults();
     iso_pyramid p = build(&v, &opt), q;
@@ -192,14 +187,4 @@ static void a_folder_that_is_not_a_pyramid_is_left_alone(void **state)
     iso_volume_destroy(&v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_saved_pyramid_is_loaded_as_it_was),
-        cmocka_unit_test(files_of_several_pieces_are_loaded_as_they_were),
-        cmocka_unit_test(truncated_tampered_and_missing_files_are_refused),
-        cmocka_unit_test(a_description_with_impossible_values_is_refused),
-        cmocka_unit_test(a_folder_that_is_not_a_pyramid_is_left_alone),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

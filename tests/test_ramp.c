@@ -21,9 +21,8 @@ static void fill_table(iso_tf_table *t, size_t count, size_t knots)
 
 /* Knots at multiples of 15 entries: at i / 255 Cycles bakes them all; at i / 256 it cuts them, by a quarter of a step
  * of the slopes' difference at most. */
-static void ramps_of_knots_lose_what_baking_cuts(void **state)
+TEST(ramps_of_knots_lose_what_baking_cuts)
 {
-    (void)state;
     iso_tf_table t;
     iso_color_ramp ramp;
     fill_table(&t, 256, 18);
@@ -68,9 +67,8 @@ static iso_tf_table table_of_points(void)
     return t;
 }
 
-static void a_ramp_has_the_points_of_the_transfer_function(void **state)
+TEST(a_ramp_has_the_points_of_the_transfer_function)
 {
-    (void)state;
     iso_tf_table t = table_of_points();
     iso_color_ramp ramp;
     iso_color_ramp_fit(&t, &ramp);
@@ -110,9 +108,8 @@ static void a_ramp_has_the_points_of_the_transfer_function(void **state)
 }
 
 /* More points than a ramp holds, all visible: fitted where it matters, and only between the values where it does. */
-static void a_smooth_curve_has_few_stops_within_a_thousandth(void **state)
+TEST(a_smooth_curve_has_few_stops_within_a_thousandth)
 {
-    (void)state;
     enum { N = 2001 };
     iso_tf_table t = {.count = N, .lo = 0, .hi = 2000, .unit_mm = 1, .entries = malloc(4 * N * sizeof(float))};
     iso_color_ramp ramp;
@@ -131,12 +128,4 @@ static void a_smooth_curve_has_few_stops_within_a_thousandth(void **state)
     free(t.entries);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ramps_of_knots_lose_what_baking_cuts),
-        cmocka_unit_test(a_ramp_has_the_points_of_the_transfer_function),
-        cmocka_unit_test(a_smooth_curve_has_few_stops_within_a_thousandth),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

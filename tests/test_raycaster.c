@@ -174,9 +174,8 @@ static void check_agreement(const iso_level *level, iso_code code, const iso_vie
 
 /* ---- tests ------------------------------------------------------------------ */
 
-static void filter_of_floats_is_probed_finer_than_8_bits_in_software(void **state)
+TEST(filter_of_floats_is_probed_finer_than_8_bits_in_software)
 {
-    (void)state;
     iso_gl_info info = iso_gl_describe(gl);
     printf("%s: filter bits %d (8-bit), %d (16-bit), %d (float)\n", info.renderer, info.filter_bits_unorm8,
            info.filter_bits_unorm16, info.filter_bits_float);
@@ -187,9 +186,8 @@ static void filter_of_floats_is_probed_finer_than_8_bits_in_software(void **stat
     }
 }
 
-static void every_source_and_code_agrees_with_the_reference_at_every_level(void **state)
+TEST(every_source_and_code_agrees_with_the_reference_at_every_level)
 {
-    (void)state;
     for (int code = 0; code < ISO_CODE_COUNT; ++code) {
         if (!iso_code_describe((iso_code)code)->is_textured)
             continue;
@@ -220,9 +218,8 @@ static iso_image render_exactly(const iso_level *level, const iso_view *view, is
 /* A table whose entries jump between nothing and opaque multiplies what a texture coordinate rounds. Looked up exactly,
  * the same samples meet half the limits of smooth tables, so that what the filter's image is off (the planted fault) is
  * the coordinates' alone. */
-static void exact_lookups_leave_out_what_texture_coordinates_round(void **state)
+TEST(exact_lookups_leave_out_what_texture_coordinates_round)
 {
-    (void)state;
     static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_ON_THE_FLY};
     iso_pyramid p = make_pyramid(ISO_F32, ISO_CODE_SNORM);
     for (size_t k = 0; k < p.level_count; ++k)
@@ -256,9 +253,8 @@ static void exact_lookups_leave_out_what_texture_coordinates_round(void **state)
 }
 
 /* Between the faces of a plate nearly every point turns some of its eight directions. */
-static void the_flipped_fetch_of_a_plate_agrees_with_the_reference(void **state)
+TEST(the_flipped_fetch_of_a_plate_agrees_with_the_reference)
 {
-    (void)state;
     iso_field f = {.kind = ISO_FIELD_PLATE, .geometry = rotated_geometry()};
     iso_pyramid_options opt = iso_pyramid_defaults();
     iso_volume v;
@@ -278,9 +274,8 @@ static void the_flipped_fetch_of_a_plate_agrees_with_the_reference(void **state)
     iso_volume_destroy(&v);
 }
 
-static void every_stored_type_and_camera_agrees_with_the_reference(void **state)
+TEST(every_stored_type_and_camera_agrees_with_the_reference)
 {
-    (void)state;
     static const iso_type types[] = {ISO_U8, ISO_U16, ISO_I16, ISO_F32};
     static const char *const views[] = {"perspective", "orthographic", "inside"};
     for (size_t t = 0; t < 4; ++t) {
@@ -297,9 +292,8 @@ static void every_stored_type_and_camera_agrees_with_the_reference(void **state)
     }
 }
 
-static void every_reference_scene_agrees_at_every_level(void **state)
+VALUES_TEST(every_reference_scene_agrees_at_every_level)
 {
-    (void)state;
     static const struct {
         const char *scene;
         iso_field_kind kind;
@@ -335,9 +329,8 @@ static void every_reference_scene_agrees_at_every_level(void **state)
 }
 
 /* Axes of one voxel, no contrast, rays along the axes, cameras in the box's center, beyond it and beside it. */
-static void degenerate_volumes_and_cameras_agree(void **state)
+TEST(degenerate_volumes_and_cameras_agree)
 {
-    (void)state;
     static const size_t sizes[][3] = {{1, 9, 5}, {7, 1, 1}, {6, 5, 4}};
     for (size_t i = 0; i < 3; ++i) {
         iso_geometry g = iso_geometry_axis_aligned(sizes[i], (const double[3]){1, 2, 0.5});
@@ -370,9 +363,8 @@ static void degenerate_volumes_and_cameras_agree(void **state)
 }
 
 /* The same samples are summed, so that only the compiler's order of operations may differ. */
-static void leaving_out_empty_bricks_changes_nothing(void **state)
+TEST(leaving_out_empty_bricks_changes_nothing)
 {
-    (void)state;
     iso_pyramid p = make_pyramid(ISO_U16, ISO_CODE_SNORM);
     for (int kind = PERSPECTIVE; kind <= INSIDE; ++kind)
         for (size_t k = 0; k < p.level_count; ++k) {
@@ -409,9 +401,8 @@ static void rejects(const iso_level *right, const iso_level *wrong, const iso_vi
     iso_image_destroy(&b);
 }
 
-static void known_faults_are_rejected(void **state)
+TEST(known_faults_are_rejected)
 {
-    (void)state;
     iso_pyramid p = make_pyramid(ISO_U16, ISO_CODE_SNORM);
     iso_level *level = &p.levels[0];
     iso_view view = make_view(PERSPECTIVE, level), wrong_view = view;
@@ -441,9 +432,8 @@ static void known_faults_are_rejected(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void images_do_not_differ_between_runs(void **state)
+TEST(images_do_not_differ_between_runs)
 {
-    (void)state;
     iso_pyramid p = make_pyramid(ISO_U8, ISO_CODE_SNORM);
     iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
     iso_image a = render_gl(&p.levels[1], ISO_CODE_SNORM, &view, ISO_FROM_CODES);
@@ -455,9 +445,8 @@ static void images_do_not_differ_between_runs(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void volume_beyond_the_texture_limit_is_refused_with_both_sizes(void **state)
+TEST(volume_beyond_the_texture_limit_is_refused_with_both_sizes)
 {
-    (void)state;
     float scalar = 0;
     iso_level level = {.geometry = iso_geometry_axis_aligned((const size_t[3]){100000, 1, 1},
                                                              (const double[3]){1, 1, 1}),
@@ -474,9 +463,8 @@ static void volume_beyond_the_texture_limit_is_refused_with_both_sizes(void **st
     iso_view_destroy(&view);
 }
 
-static void missing_float_directions_are_refused(void **state)
+TEST(missing_float_directions_are_refused)
 {
-    (void)state;
     iso_pyramid p = make_pyramid(ISO_U8, ISO_CODE_SNORM);
     iso_level level = p.levels[0];
     level.directions = NULL;
@@ -488,9 +476,8 @@ static void missing_float_directions_are_refused(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void missing_shader_folder_is_named(void **state)
+TEST(missing_shader_folder_is_named)
 {
-    (void)state;
     iso_gl *other;
     iso_error err = {""};
     assert_int_equal(iso_gl_create(&other, "/nonexistent-shaders", &err), ISO_E_IO);
@@ -498,9 +485,8 @@ static void missing_shader_folder_is_named(void **state)
     assert_null(other);
 }
 
-static void shader_folder_of_the_sources_gives_the_same_image(void **state)
+TEST(shader_folder_of_the_sources_gives_the_same_image)
 {
-    (void)state;
     iso_pyramid p = make_pyramid(ISO_U8, ISO_CODE_REGION48);
     iso_view view = make_view(ORTHOGRAPHIC, &p.levels[0]);
     iso_image a = render_gl(&p.levels[0], ISO_CODE_REGION48, &view, ISO_FROM_CODES), b;
@@ -544,9 +530,8 @@ static _Noreturn void answer_without_vendors(void)
     _exit(status == ISO_E_MISSING && strstr(err.text, "no OpenGL 4.3 context by EGL") ? 0 : 1);
 }
 
-static void missing_egl_vendor_is_reported_with_what_was_tried(void **state)
+TEST(missing_egl_vendor_is_reported_with_what_was_tried)
 {
-    (void)state;
     assert_int_equal(status_without_vendors, 0);
 }
 
@@ -561,22 +546,5 @@ int main(int count, char **arguments)
 {
     if (count == 2 && strcmp(arguments[1], WITHOUT_VENDORS) == 0)
         answer_without_vendors();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(filter_of_floats_is_probed_finer_than_8_bits_in_software),
-        cmocka_unit_test(every_source_and_code_agrees_with_the_reference_at_every_level),
-        cmocka_unit_test(exact_lookups_leave_out_what_texture_coordinates_round),
-        cmocka_unit_test(the_flipped_fetch_of_a_plate_agrees_with_the_reference),
-        cmocka_unit_test(every_stored_type_and_camera_agrees_with_the_reference),
-        cmocka_values_test(every_reference_scene_agrees_at_every_level),
-        cmocka_unit_test(degenerate_volumes_and_cameras_agree),
-        cmocka_unit_test(leaving_out_empty_bricks_changes_nothing),
-        cmocka_unit_test(known_faults_are_rejected),
-        cmocka_unit_test(images_do_not_differ_between_runs),
-        cmocka_unit_test(volume_beyond_the_texture_limit_is_refused_with_both_sizes),
-        cmocka_unit_test(missing_float_directions_are_refused),
-        cmocka_unit_test(missing_egl_vendor_is_reported_with_what_was_tried),
-        cmocka_unit_test(missing_shader_folder_is_named),
-        cmocka_unit_test(shader_folder_of_the_sources_gives_the_same_image),
-    };
-    return cmocka_run_group_tests(tests, ask_and_open_gl, close_gl);
+    return run_cases(ask_and_open_gl, close_gl);
 }

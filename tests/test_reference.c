@@ -78,9 +78,8 @@ static double paraboloid(iso_vec3 p)
 static const size_t small_size[3] = {4, 5, 6};
 static const double small_spacing[3] = {1, 1.5, 2};
 
-static void a_slab_has_the_opacity_of_its_thickness(void **state)
+TEST(a_slab_has_the_opacity_of_its_thickness)
 {
-    (void)state;
     const float entries[8] = {0.8f, 0.4f, 0.2f, 0.3f, 0.8f, 0.4f, 0.2f, 0.3f};
     iso_level level = make_level(small_size, small_spacing, constant);
     const iso_vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
@@ -111,9 +110,8 @@ static double a_third(iso_vec3 p)
 }
 
 /* It has no gradient: what rounding leaves of its differences is none, and the light is ambient alone. */
-static void a_constant_volume_has_no_direction_on_the_fly(void **state)
+TEST(a_constant_volume_has_no_direction_on_the_fly)
 {
-    (void)state;
     const float entries[8] = {1, 1, 1, 0.3f, 1, 1, 1, 0.3f};
     iso_level level = make_level(small_size, small_spacing, a_third);
     level.min = level.max = (double)level.scalar[0];
@@ -132,9 +130,8 @@ static void a_constant_volume_has_no_direction_on_the_fly(void **state)
 }
 
 /* The chord of an oblique ray through the middle of the box is closed as well. */
-static void an_oblique_chord_counts_in_full(void **state)
+TEST(an_oblique_chord_counts_in_full)
 {
-    (void)state;
     const float entries[8] = {1, 1, 1, 0.1f, 1, 1, 1, 0.1f};
     iso_level level = make_level(small_size, small_spacing, constant);
     iso_view view = make_view(iso_normalize(iso_v3(1, 0, 1)), entries);
@@ -158,9 +155,8 @@ static double ramp_color(double k, double s0, double s1, double half, double len
     return front + t_front * (linear + t_linear * back);
 }
 
-static void a_ramp_of_extinction_and_color_matches_its_integral(void **state)
+TEST(a_ramp_of_extinction_and_color_matches_its_integral)
 {
-    (void)state;
     const float entries[8] = {0, 0, 0, 0, 1, 1, 1, 0.25f};
     iso_level level = make_level(small_size, small_spacing, ramp);
     iso_view view = make_view(iso_v3(0, 0, 1), entries);
@@ -198,9 +194,8 @@ static double sphere_error(size_t n)
 }
 
 /* One entry of 1025: a shell of 1/40 of a cell, which no equal division by 2, 4 or 8 meets. */
-static void a_shell_thinner_than_a_cell_is_met(void **state)
+TEST(a_shell_thinner_than_a_cell_is_met)
 {
-    (void)state;
     float entries[4 * 1025] = {0};
     const size_t places[3] = {300, 481, 777};
     iso_level level = make_level(small_size, small_spacing, ramp);
@@ -218,9 +213,8 @@ static void a_shell_thinner_than_a_cell_is_met(void **state)
     free_level(&level);
 }
 
-static void a_sphere_converges_with_the_square_of_the_spacing(void **state)
+TEST(a_sphere_converges_with_the_square_of_the_spacing)
 {
-    (void)state;
     double coarse = sphere_error(20), fine = sphere_error(40);
     assert_at_most(fine, 2e-3);
     assert_within(coarse / fine, 4, 0.6); /* the order is 2; the ray's phase in the cells differs */
@@ -234,9 +228,8 @@ static double image_difference(const iso_image *a, const iso_image *b)
     return worst;
 }
 
-static void stepping_quadratures_converge_to_the_converged_one(void **state)
+TEST(stepping_quadratures_converge_to_the_converged_one)
 {
-    (void)state;
     const float entries[8] = {0, 0.2f, 1, 0, 1, 0.2f, 0, 2};
     const size_t size[3] = {12, 11, 10};
     const double spacing[3] = {0.18, 0.2, 0.22};
@@ -266,9 +259,8 @@ static void stepping_quadratures_converge_to_the_converged_one(void **state)
     free_level(&level);
 }
 
-static void threads_do_not_change_the_image(void **state)
+TEST(threads_do_not_change_the_image)
 {
-    (void)state;
     const float entries[8] = {0, 0.2f, 1, 0, 1, 0.2f, 0, 2};
     const size_t size[3] = {8, 7, 6};
     const double spacing[3] = {0.2, 0.2, 0.2};
@@ -286,9 +278,8 @@ static void threads_do_not_change_the_image(void **state)
 }
 
 /* All directions are +z: a light from +z is full, one from the side is none, two-sided. */
-static void light_follows_the_directions_in_the_world(void **state)
+TEST(light_follows_the_directions_in_the_world)
 {
-    (void)state;
     const float entries[8] = {1, 1, 1, 5, 1, 1, 1, 5};
     iso_level level = make_level(small_size, small_spacing, constant);
     iso_view view = make_view(iso_v3(0, 1, 0), entries);
@@ -305,9 +296,8 @@ static void light_follows_the_directions_in_the_world(void **state)
     free_level(&level);
 }
 
-static void floats_that_are_not_there_are_refused(void **state)
+TEST(floats_that_are_not_there_are_refused)
 {
-    (void)state;
     const float entries[8] = {1, 1, 1, 5, 1, 1, 1, 5};
     iso_level level = make_level(small_size, small_spacing, constant);
     iso_view view = make_view(iso_v3(0, 1, 0), entries);
@@ -321,19 +311,4 @@ static void floats_that_are_not_there_are_refused(void **state)
     free_level(&level);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_slab_has_the_opacity_of_its_thickness),
-        cmocka_unit_test(a_constant_volume_has_no_direction_on_the_fly),
-        cmocka_unit_test(an_oblique_chord_counts_in_full),
-        cmocka_unit_test(a_ramp_of_extinction_and_color_matches_its_integral),
-        cmocka_unit_test(a_shell_thinner_than_a_cell_is_met),
-        cmocka_unit_test(a_sphere_converges_with_the_square_of_the_spacing),
-        cmocka_unit_test(stepping_quadratures_converge_to_the_converged_one),
-        cmocka_unit_test(threads_do_not_change_the_image),
-        cmocka_unit_test(light_follows_the_directions_in_the_world),
-        cmocka_unit_test(floats_that_are_not_there_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

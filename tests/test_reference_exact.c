@@ -118,9 +118,8 @@ static double largest_difference(const double *a, const double *b, size_t count)
 
 /* At loose tolerances rules of few points are off by much, and never by more than what is stated; and the bound is no
  * idle one: it comes near the error somewhere. */
-static void no_pixel_is_farther_off_than_its_bound(void **state)
+TEST(no_pixel_is_farther_off_than_its_bound)
 {
-    (void)state;
     double closest = 0, rgba[4 * PIXELS], exact[4 * PIXELS];
     for (uint64_t seed = 0; seed < 120; ++seed) {
         scene s;
@@ -144,9 +143,8 @@ static void no_pixel_is_farther_off_than_its_bound(void **state)
 }
 
 /* The same equation by sums at equal distances, halved and extrapolated, which pass over nothing. */
-static void halving_gives_the_same_pictures(void **state)
+TEST(halving_gives_the_same_pictures)
 {
-    (void)state;
     double worst = 0, rgba[4 * PIXELS], halved[4 * PIXELS];
     for (uint64_t seed = 0; seed < 30; ++seed) {
         scene s;
@@ -165,9 +163,8 @@ static void halving_gives_the_same_pictures(void **state)
 
 /* The defaults: 1e-9 for every pixel. Values, spacings and the table are exact in floats, so that nothing else is
  * off. */
-static void closed_forms_hold_to_a_billionth(void **state)
+TEST(closed_forms_hold_to_a_billionth)
 {
-    (void)state;
     scene s = {.level = {.geometry = iso_geometry_axis_aligned((size_t[]){4, 4, 6}, (double[]){1, 1, 2}),
                          .stored_type = ISO_F32,
                          .max = 1},
@@ -219,9 +216,8 @@ static void closed_forms_hold_to_a_billionth(void **state)
 }
 
 /* Samples at equal steps: skipping changes no bit. */
-static void samples_in_lock_step_are_the_same_to_the_bit(void **state)
+TEST(samples_in_lock_step_are_the_same_to_the_bit)
 {
-    (void)state;
     for (uint64_t seed = 400; seed < 460; ++seed) {
         scene s;
         double rgba[2][4 * PIXELS];
@@ -245,9 +241,8 @@ static void samples_in_lock_step_are_the_same_to_the_bit(void **state)
 }
 
 /* Each instruction set that the machine has. */
-static void instruction_sets_give_the_same_bits(void **state)
+TEST(instruction_sets_give_the_same_bits)
 {
-    (void)state;
     iso_cell_ray_variant v[4];
     const size_t count = iso_cell_ray_variants(v);
     for (uint64_t seed = 200; seed < 230; ++seed) {
@@ -290,9 +285,8 @@ static void instruction_sets_give_the_same_bits(void **state)
 }
 
 /* A block is skipped only if no value in it is visible; an empty one is skipped. */
-static void only_blocks_without_visible_values_are_skipped(void **state)
+TEST(only_blocks_without_visible_values_are_skipped)
 {
-    (void)state;
     for (uint64_t seed = 300; seed < 340; ++seed) {
         scene s;
         make_scene(&s, seed);
@@ -328,9 +322,8 @@ static void only_blocks_without_visible_values_are_skipped(void **state)
 }
 
 /* One voxel of a grid is shown, at every place in turn: no skipped block holds a cell that it touches. */
-static void one_voxel_is_never_passed_over(void **state)
+TEST(one_voxel_is_never_passed_over)
 {
-    (void)state;
     enum { NX = 6, NY = 9, NZ = 10, COUNT = NX * NY * NZ };
     static float scalar[COUNT];
     const iso_level level = {.geometry = iso_geometry_axis_aligned((size_t[]){NX, NY, NZ}, (double[]){1, 1, 1}),
@@ -362,9 +355,8 @@ static void one_voxel_is_never_passed_over(void **state)
 /* A few voxels are visible, and rays go through edges of invisible blocks, where a place is rounded to either side of
  * both faces: they end, with the result of a ray that skips no block. A walk that goes to and fro without end raises
  * the alarm. */
-static void rays_along_edges_of_empty_blocks_end(void **state)
+TEST(rays_along_edges_of_empty_blocks_end)
 {
-    (void)state;
     enum { N = 32, COUNT = N * N * N, RAYS = 200000 };
     static float scalar[COUNT];
     float entries[8] = {0, 0, 0, 0, 1, 0.5f, 0.2f, 1};
@@ -420,9 +412,8 @@ static void rays_along_edges_of_empty_blocks_end(void **state)
 }
 
 /* An interval that ends on an entry that shows nothing stays empty; a bit farther it does not. */
-static void intervals_end_at_the_entries_that_show_nothing(void **state)
+TEST(intervals_end_at_the_entries_that_show_nothing)
 {
-    (void)state;
     float entries[4 * 6] = {0};
     entries[4 * 3 + 3] = 1; /* shown: values above 2/5 and below 4/5 */
     const iso_tf_table tf = {.count = 6, .lo = 0, .hi = 5, .entries = entries};
@@ -442,9 +433,8 @@ static void intervals_end_at_the_entries_that_show_nothing(void **state)
     iso_shown_destroy(&s);
 }
 
-static void the_exponential_is_right_to_its_last_digits(void **state)
+TEST(the_exponential_is_right_to_its_last_digits)
 {
-    (void)state;
     for (int i = 0; i < 20000; ++i) {
         const double x = -40 + i * 0.0037;
         const lanes eight = lanes_exp(lanes_all(x));
@@ -453,19 +443,4 @@ static void the_exponential_is_right_to_its_last_digits(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_pixel_is_farther_off_than_its_bound),
-        cmocka_unit_test(halving_gives_the_same_pictures),
-        cmocka_unit_test(closed_forms_hold_to_a_billionth),
-        cmocka_unit_test(samples_in_lock_step_are_the_same_to_the_bit),
-        cmocka_unit_test(instruction_sets_give_the_same_bits),
-        cmocka_unit_test(only_blocks_without_visible_values_are_skipped),
-        cmocka_unit_test(one_voxel_is_never_passed_over),
-        cmocka_unit_test(rays_along_edges_of_empty_blocks_end),
-        cmocka_unit_test(intervals_end_at_the_entries_that_show_nothing),
-        cmocka_unit_test(the_exponential_is_right_to_its_last_digits),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

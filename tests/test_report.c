@@ -174,9 +174,8 @@ static json_t *data_of_page(const char *page)
     return json_loadb(page + start, length, 0, NULL);
 }
 
-static void every_file_is_there_and_the_data_is_whole(void **state)
+TEST(every_file_is_there_and_the_data_is_whole)
 {
-    (void)state;
     char *dir = inside("whole");
     iso_report *r = example(dir);
     assert_ok(iso_report_finish(r, &err));
@@ -225,9 +224,8 @@ static void every_file_is_there_and_the_data_is_whole(void **state)
     free(dir);
 }
 
-static void the_worst_comes_first(void **state)
+TEST(the_worst_comes_first)
 {
-    (void)state;
     char *dir = inside("order");
     iso_report *r = example(dir);
     assert_ok(iso_report_finish(r, &err));
@@ -254,9 +252,8 @@ static size_t count_of(const char *text, const char *what)
     return count;
 }
 
-static void the_page_needs_nothing_from_outside(void **state)
+TEST(the_page_needs_nothing_from_outside)
 {
-    (void)state;
     char *dir = inside("page"), *path, *page;
     iso_report *r = example(dir);
     assert_ok(iso_report_finish(r, &err));
@@ -285,9 +282,8 @@ static void the_page_needs_nothing_from_outside(void **state)
     iso_report_destroy(r);
 }
 
-static void the_sentence_tells_each_outcome(void **state)
+TEST(the_sentence_tells_each_outcome)
 {
-    (void)state;
     char *dir = inside("sentence");
     iso_report *r;
     const iso_report_about about = {.title = "nothing"};
@@ -312,9 +308,8 @@ static void the_sentence_tells_each_outcome(void **state)
 }
 
 /* What could not be compared is no disagreement, and no agreement either. */
-static void a_refusal_is_told_as_what_it_is(void **state)
+TEST(a_refusal_is_told_as_what_it_is)
 {
-    (void)state;
     char *dir = inside("refusal");
     iso_report *r;
     const iso_report_about about = {.title = "t"};
@@ -330,9 +325,8 @@ static void a_refusal_is_told_as_what_it_is(void **state)
     free(dir);
 }
 
-static void junit_counts_failures_and_escapes(void **state)
+TEST(junit_counts_failures_and_escapes)
 {
-    (void)state;
     char *dir = inside("junit"), *path = inside("junit.xml"), *xml;
     iso_report *r = example(dir);
     assert_ok(
@@ -363,9 +357,8 @@ static void junit_counts_failures_and_escapes(void **state)
 
 /* All green where nothing was compared would read as agreement: a scene whose rows are all refused or not compared
  * fails. */
-static void junit_fails_a_scene_of_which_nothing_was_compared(void **state)
+TEST(junit_fails_a_scene_of_which_nothing_was_compared)
 {
-    (void)state;
     char *dir = inside("nothing"), *path = inside("nothing.xml"), *xml;
     iso_report *r;
     const iso_report_about about = {.title = "t"};
@@ -394,9 +387,8 @@ static void junit_fails_a_scene_of_which_nothing_was_compared(void **state)
 }
 
 /* What is asked besides the metrics: a gate that is not held is a difference, by its name. */
-static void gates_decide_too(void **state)
+TEST(gates_decide_too)
 {
-    (void)state;
     char *dir = inside("gates"), *path = inside("gates.xml"), *xml;
     iso_report *r;
     const iso_report_about about = {.title = "t"};
@@ -453,9 +445,8 @@ static void gates_decide_too(void **state)
 }
 
 /* A block a method and TF, levels ascending: what the chart draws. */
-static void the_data_of_the_chart_keeps_the_tfs_apart(void **state)
+TEST(the_data_of_the_chart_keeps_the_tfs_apart)
 {
-    (void)state;
     char *dir = inside("csv"), *path, *csv;
     iso_report *r = example(dir);
     assert_ok(iso_report_finish(r, &err));
@@ -480,9 +471,8 @@ static void the_data_of_the_chart_keeps_the_tfs_apart(void **state)
     free(dir);
 }
 
-static void an_unfinished_report_leaves_nothing(void **state)
+TEST(an_unfinished_report_leaves_nothing)
 {
-    (void)state;
     char *dir = inside("unfinished"), *temporary;
     iso_report *r = example(dir);
     temporary = strdup(iso_report_dir(r));
@@ -494,9 +484,8 @@ static void an_unfinished_report_leaves_nothing(void **state)
     free(dir);
 }
 
-static void only_a_report_is_replaced(void **state)
+TEST(only_a_report_is_replaced)
 {
-    (void)state;
     char *dir = inside("mine"), *file = NULL;
     iso_report *r;
     const iso_report_about about = {.title = "t"};
@@ -513,9 +502,8 @@ static void only_a_report_is_replaced(void **state)
     free(dir);
 }
 
-static void bad_names_are_refused(void **state)
+TEST(bad_names_are_refused)
 {
-    (void)state;
     char *dir = inside("names");
     iso_report *r;
     const iso_report_about about = {.title = "t"};
@@ -537,9 +525,8 @@ static void bad_names_are_refused(void **state)
     free(dir);
 }
 
-static void without_gnuplot_there_are_no_charts_and_it_says_so(void **state)
+TEST(without_gnuplot_there_are_no_charts_and_it_says_so)
 {
-    (void)state;
     char *dir = inside("plain");
     setenv("ISOSHADE_GNUPLOT", "/nonexistent/gnuplot", 1);
     iso_report *r = example(dir);
@@ -550,9 +537,8 @@ static void without_gnuplot_there_are_no_charts_and_it_says_so(void **state)
     free(dir);
 }
 
-static void a_restyled_chart_keeps_its_style(void **state)
+TEST(a_restyled_chart_keeps_its_style)
 {
-    (void)state;
     char *dir = inside("style"), *style, *svg, *text;
     iso_report *r = example(dir);
     assert_ok(iso_report_finish(r, &err));
@@ -575,9 +561,8 @@ static void a_restyled_chart_keeps_its_style(void **state)
 }
 
 /* gnuplot prints a text as it was: all bytes, and those that mean something in scripts, next to each other. */
-static void quoted_texts_are_what_gnuplot_reads(void **state)
+TEST(quoted_texts_are_what_gnuplot_reads)
 {
-    (void)state;
     static const char *const odd[] = {"''a''''b'",       "\"\"",           "\\", "\\\\\"", "'1\"07\\0\n12",
                                       "`date`$HOME@a%d#", "{/Bold x}^2_{3}", "",   "a'; system('touch x'); print 'b"};
     char *script = inside("quoted.gp"), *printed = inside("quoted.txt"), *gnuplot = NULL, *said;
@@ -615,22 +600,5 @@ int main(int argc, char **argv)
         iso_report_destroy(r);
         return 0;
     }
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_file_is_there_and_the_data_is_whole),
-        cmocka_unit_test(the_worst_comes_first),
-        cmocka_unit_test(the_page_needs_nothing_from_outside),
-        cmocka_unit_test(the_sentence_tells_each_outcome),
-        cmocka_unit_test(a_refusal_is_told_as_what_it_is),
-        cmocka_unit_test(junit_fails_a_scene_of_which_nothing_was_compared),
-        cmocka_unit_test(junit_counts_failures_and_escapes),
-        cmocka_unit_test(gates_decide_too),
-        cmocka_unit_test(the_data_of_the_chart_keeps_the_tfs_apart),
-        cmocka_unit_test(an_unfinished_report_leaves_nothing),
-        cmocka_unit_test(only_a_report_is_replaced),
-        cmocka_unit_test(bad_names_are_refused),
-        cmocka_unit_test(without_gnuplot_there_are_no_charts_and_it_says_so),
-        cmocka_unit_test(a_restyled_chart_keeps_its_style),
-        cmocka_unit_test(quoted_texts_are_what_gnuplot_reads),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return run_cases(make_folder, remove_folder);
 }

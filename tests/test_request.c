@@ -74,9 +74,8 @@ static void expect_projection(const json_t *root, const iso_view *view)
         }
 }
 
-static void cameras_project_as_our_rays_look(void **state)
+TEST(cameras_project_as_our_rays_look)
 {
-    (void)state;
     iso_pyramid p = noise();
     for (int orthographic = 0; orthographic < 2; ++orthographic) {
         iso_scene scene = scene_of_points(points, 3);
@@ -102,9 +101,8 @@ static void expect_tail(const char *name, const void *wanted, size_t size)
     free(path);
 }
 
-static void samples_directions_and_steps_are_those_of_the_level(void **state)
+TEST(samples_directions_and_steps_are_those_of_the_level)
 {
-    (void)state;
     iso_pyramid p = noise();
     const iso_scene scene = scene_of_points(points, 3);
     iso_view view = view_of(&scene, &p);
@@ -139,9 +137,8 @@ static void samples_directions_and_steps_are_those_of_the_level(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void without_light_there_are_no_directions(void **state)
+TEST(without_light_there_are_no_directions)
 {
-    (void)state;
     iso_pyramid p = noise();
     const iso_scene scene = scene_of_points(points, 3);
     iso_view view = view_of(&scene, &p);
@@ -157,9 +154,8 @@ static void without_light_there_are_no_directions(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void what_it_has_no_words_for_is_refused(void **state)
+TEST(what_it_has_no_words_for_is_refused)
 {
-    (void)state;
     iso_pyramid p = noise();
     const iso_scene scene = scene_of_points(points, 3);
     iso_view view = view_of(&scene, &p);
@@ -176,13 +172,4 @@ static void what_it_has_no_words_for_is_refused(void **state)
     iso_pyramid_destroy(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cameras_project_as_our_rays_look),
-        cmocka_unit_test(samples_directions_and_steps_are_those_of_the_level),
-        cmocka_unit_test(without_light_there_are_no_directions),
-        cmocka_unit_test(what_it_has_no_words_for_is_refused),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

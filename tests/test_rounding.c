@@ -80,9 +80,8 @@ static double number(const json_t *row, const char *key)
     return json_number_value(json_object_get(row, key));
 }
 
-static void what_is_rounded_agrees_where_exact_lookups_do(void **state)
+TEST(what_is_rounded_agrees_where_exact_lookups_do)
 {
-    (void)state;
     subject s;
     open_rows(&s, "clean", NULL);
     const json_t *usual = row_of(&s, ISO_COMPARISON_LOCK_STEP), *exact = row_of(&s, ISO_COMPARISON_EXACT);
@@ -123,9 +122,8 @@ static void change_shaders(const char *dir, const char *old, const char *new)
 
 /* Faults in what exact lookups do not use are not excused by their agreement; faults in what both use are no
  * rounding. */
-static void a_fault_is_no_rounding(void **state)
+VALUES_TEST(a_fault_is_no_rounding)
 {
-    (void)state;
     static const char filter[] = "vec4 fetch(sampler3D texels, vec3 p) { return filtered(texels, p); }";
     static const struct fault {
         const char *name, *old, *new;
@@ -161,11 +159,4 @@ static void a_fault_is_no_rounding(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_rounded_agrees_where_exact_lookups_do),
-        cmocka_values_test(a_fault_is_no_rounding),
-    };
-    return cmocka_run_group_tests(tests, make_folder, end_renderers_and_folder);
-}
+TEST_MAIN(make_folder, end_renderers_and_folder)

@@ -83,9 +83,8 @@ static iso_sample_error bound_of(const subject *s)
 /* Extinction grows with z from 0 to S, so little that T is 1. Its slope is S / (n - 1) per voxel. Rounding moves a
  * sample by n 2^-24 voxels, but not in the half voxels at both faces, where the value is constant; and the value by 4 x
  * 2^-24 of n - 1. The opacity is off by the integral of both, a color of 1/2 by half of that. */
-static void the_bound_of_a_ramp_is_the_closed_form(void **state)
+TEST(the_bound_of_a_ramp_is_the_closed_form)
 {
-    (void)state;
     const size_t size[3] = {12, 14, 41};
     const double h = 0.7, extinction = 1e-4, n = (double)size[2], step = ldexp(1, -24);
     const iso_volume v = ramp_along_z(size, h);
@@ -157,9 +156,8 @@ static iso_volume sampled(iso_field_kind kind)
 
 /* From smooth to one entry wide: what the ray caster does with the same samples is within the bound, or within what the
  * rest of its arithmetic is allowed, 5e-7 and 1e-5. */
-static void the_ray_caster_is_within_the_bound(void **state)
+TEST(the_ray_caster_is_within_the_bound)
 {
-    (void)state;
     const iso_field_kind kinds[] = {ISO_FIELD_NOISE, ISO_FIELD_TUBES, ISO_FIELD_BALLS};
     const size_t widths[] = {40, 8, 1};
     const iso_sample_error rest = iso_renderer_gl.lock_step->exact;
@@ -183,9 +181,8 @@ static void the_ray_caster_is_within_the_bound(void **state)
 /* Ordinary tables keep their limit, so that what it finds is as small as before. Steep ones have a wider one: the
  * smallest shift of the table that is rejected is still less than a tenth of the half entry that a wrong lookup is off
  * by. */
-static void what_is_no_rounding_is_rejected(void **state)
+TEST(what_is_no_rounding_is_rejected)
 {
-    (void)state;
     const double usual = iso_renderer_gl.lock_step->rounded.rmse;
     iso_volume v = sampled(ISO_FIELD_NOISE);
     subject ordinary = open_subject(&v, 256, 60, 200, 0.3, true), steep = open_subject(&v, 1024, 512, 513, 9, true);
@@ -200,10 +197,4 @@ static void what_is_no_rounding_is_rejected(void **state)
     iso_volume_destroy(&v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_bound_of_a_ramp_is_the_closed_form),
-                                       cmocka_unit_test(the_ray_caster_is_within_the_bound),
-                                       cmocka_unit_test(what_is_no_rounding_is_rejected)};
-    return cmocka_run_group_tests(tests, NULL, end_renderers);
-}
+TEST_MAIN(NULL, end_renderers)

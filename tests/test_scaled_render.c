@@ -129,9 +129,8 @@ static void check_renderer(const iso_pyramid *p, const iso_view *view, const iso
 /* ---- the ray caster -------------------------------------------------------------------- */
 
 /* In the alpha of signed and unsigned codes and of floats, and in a texture of its own where directions have none. */
-static void the_ray_caster_scales_by_any_directions(void **state)
+TEST(the_ray_caster_scales_by_any_directions)
 {
-    (void)state;
     static const iso_code codes[] = {ISO_CODE_SNORM, ISO_CODE_CUBE};
     static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_DECODED, ISO_FROM_FLOAT, ISO_FROM_FLIPPED,
                                                    ISO_FROM_ON_THE_FLY};
@@ -150,9 +149,8 @@ static void the_ray_caster_scales_by_any_directions(void **state)
     }
 }
 
-static void the_ray_caster_scales_means_and_exact_lookups(void **state)
+TEST(the_ray_caster_scales_means_and_exact_lookups)
 {
-    (void)state;
     iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
     iso_view view = make_view(&p);
     iso_render_options with = iso_render_defaults(&iso_renderer_gl),
@@ -167,9 +165,8 @@ static void the_ray_caster_scales_means_and_exact_lookups(void **state)
 }
 
 /* Bricks that the transfer function does not show are not shown by a scale either. */
-static void empty_bricks_stay_empty(void **state)
+TEST(empty_bricks_stay_empty)
 {
-    (void)state;
     iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
     iso_view view = make_view(&p);
     iso_image images[2];
@@ -190,9 +187,8 @@ static void empty_bricks_stay_empty(void **state)
 }
 
 /* A region of interest has a finer level, which is not scaled; what lies around it is. */
-static void the_level_around_a_region_of_interest_is_scaled(void **state)
+TEST(the_level_around_a_region_of_interest_is_scaled)
 {
-    (void)state;
     iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
     iso_view view = make_view(&p);
     iso_render_options with = iso_render_defaults(&iso_renderer_gl),
@@ -211,9 +207,8 @@ static void the_level_around_a_region_of_interest_is_scaled(void **state)
 
 /* ---- programs -------------------------------------------------------------------------- */
 
-static void povray_scales_by_a_second_density(void **state)
+TEST(povray_scales_by_a_second_density)
 {
-    (void)state;
     iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
     iso_view view = make_view(&p);
     iso_render_options with = iso_render_defaults(&iso_renderer_povray),
@@ -225,9 +220,8 @@ static void povray_scales_by_a_second_density(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void cycles_scales_by_a_grid(void **state)
+VALUES_TEST(cycles_scales_by_a_grid)
 {
-    (void)state;
     need_cycles();
     iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
     iso_view view = make_view(&p);
@@ -239,9 +233,8 @@ static void cycles_scales_by_a_grid(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void the_grid_holds_log2_of_the_scale(void **state)
+TEST(the_grid_holds_log2_of_the_scale)
 {
-    (void)state;
     iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
     const size_t *n = p.levels[1].geometry.size, count = n[0] * n[1] * n[2];
     uint8_t *scale = make_scale(&p, RIGHT);
@@ -266,16 +259,4 @@ static int end_all(void **state)
     return remove_folder(state);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_ray_caster_scales_by_any_directions),
-        cmocka_unit_test(the_ray_caster_scales_means_and_exact_lookups),
-        cmocka_unit_test(empty_bricks_stay_empty),
-        cmocka_unit_test(the_level_around_a_region_of_interest_is_scaled),
-        cmocka_unit_test(the_grid_holds_log2_of_the_scale),
-        cmocka_unit_test(povray_scales_by_a_second_density),
-        cmocka_values_test(cycles_scales_by_a_grid),
-    };
-    return cmocka_run_group_tests_name("scaled render", tests, make_folder, end_all);
-}
+TEST_MAIN(make_folder, end_all)

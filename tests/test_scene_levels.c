@@ -65,9 +65,8 @@ static void set(iso_level_candidate *c, double ssim_dissimilarity, double rmse)
         c->of_view[i] = ssim_dissimilarity;
 }
 
-static void the_nearest_is_chosen(void **state)
+TEST(the_nearest_is_chosen)
 {
-    (void)state;
     iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT] = {{0}};
     set(&c[ISO_LEVEL_AS_BUILT], 0.10, 0.05);
     set(&c[ISO_LEVEL_LEAST_SQUARES], 0.08, 0.05);
@@ -81,9 +80,8 @@ static void the_nearest_is_chosen(void **state)
     assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT);
 }
 
-static void what_is_no_clear_gain_is_not_chosen(void **state)
+TEST(what_is_no_clear_gain_is_not_chosen)
 {
-    (void)state;
     iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT] = {{0}};
     set(&c[ISO_LEVEL_AS_BUILT], 0.10, 0.05);
     set(&c[ISO_LEVEL_LEAST_SQUARES], 0.10 * (1 - 0.5 * ISO_SCENE_LEVELS_GAIN), 0.05);
@@ -102,9 +100,8 @@ static void what_is_no_clear_gain_is_not_chosen(void **state)
 }
 
 /* Scalars that look wrong lose, whatever they are called; those that look right win. */
-static void small_views_see_a_planted_scalar(void **state)
+VALUES_TEST(small_views_see_a_planted_scalar)
 {
-    (void)state;
     iso_pyramid p = ball_pyramid(40);
     const iso_scene scene = surface_scene();
     const size_t count = iso_geometry_voxel_count(&p.levels[2].geometry);
@@ -144,9 +141,8 @@ static void small_views_see_a_planted_scalar(void **state)
 }
 
 /* The same numbers as --scalar-filter least-squares, made another way: rounding, and what its apron leaves out. */
-static void least_squares_are_those_of_the_filter(void **state)
+TEST(least_squares_are_those_of_the_filter)
 {
-    (void)state;
     iso_pyramid_options opt = iso_pyramid_defaults();
     iso_volume v = noise(37, 21, 30);
     opt.scalar_filter = ISO_SCALAR_LEAST_SQUARES;
@@ -180,9 +176,8 @@ static iso_pyramid stored_ball(iso_scene_level levels[32])
     return loaded;
 }
 
-static void a_sharp_surface_gets_levels_of_its_own(void **state)
+TEST(a_sharp_surface_gets_levels_of_its_own)
 {
-    (void)state;
     iso_scene_level levels[32];
     iso_pyramid p = stored_ball(levels);
     iso_tf_table tf;
@@ -202,9 +197,8 @@ static void a_sharp_surface_gets_levels_of_its_own(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void it_is_made_again_from_level_0(void **state)
+TEST(it_is_made_again_from_level_0)
 {
-    (void)state;
     iso_scene_level levels[32];
     iso_level_check checks[32];
     iso_pyramid p = stored_ball(levels);
@@ -225,9 +219,8 @@ static void it_is_made_again_from_level_0(void **state)
 }
 
 /* What pyramid.json says is what is checked: neither a mean that calls itself fitted passes, nor another TF's fit. */
-static void what_it_says_of_itself_is_held_to_it(void **state)
+VALUES_TEST(what_it_says_of_itself_is_held_to_it)
 {
-    (void)state;
     iso_scene_level levels[32];
     iso_level_check checks[32];
     iso_pyramid p = stored_ball(levels);
@@ -245,26 +238,12 @@ static void what_it_says_of_itself_is_held_to_it(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void memory_is_estimated(void **state)
+TEST(memory_is_estimated)
 {
-    (void)state;
     const size_t size[3] = {100, 100, 100};
     const iso_geometry g = iso_geometry_axis_aligned(size, (const double[]){1, 1, 1});
     /* A byte of the volume; floats and codes of the pyramid; lattice directions while level 0 is drawn. */
     assert_within((double)iso_scene_levels_bytes(&g, ISO_U8, ISO_EFFORT_NONE) / 1e6, 1 + 8 + 12, 0.5);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_nearest_is_chosen),
-        cmocka_unit_test(what_is_no_clear_gain_is_not_chosen),
-        cmocka_values_test(small_views_see_a_planted_scalar),
-        cmocka_unit_test(least_squares_are_those_of_the_filter),
-        cmocka_unit_test(a_sharp_surface_gets_levels_of_its_own),
-        cmocka_unit_test(it_is_made_again_from_level_0),
-        cmocka_values_test(what_it_says_of_itself_is_held_to_it),
-        cmocka_unit_test(memory_is_estimated),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

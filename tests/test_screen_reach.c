@@ -84,10 +84,9 @@ static size_t count_missed(const scene_case *c, const iso_screen_reach *r, iso_r
     return missed;
 }
 
-static void visible_points_are_within_the_distances_of_their_tile(void **state)
+TEST(visible_points_are_within_the_distances_of_their_tile)
 {
     iso_random random = {11};
-    (void)state;
     size_t seen = 0;
     for (int i = 0; i < 24; ++i) {
         scene_case c;
@@ -101,11 +100,10 @@ static void visible_points_are_within_the_distances_of_their_tile(void **state)
 }
 
 /* Planted: each block is taken to begin one block further, so points are missed. */
-static void blocks_that_stand_elsewhere_are_noticed(void **state)
+TEST(blocks_that_stand_elsewhere_are_noticed)
 {
     iso_random random = {11};
     size_t missed = 0, seen = 0;
-    (void)state;
     for (int i = 0; i < 24; ++i) {
         scene_case c;
         iso_screen_reach r;
@@ -118,13 +116,12 @@ static void blocks_that_stand_elsewhere_are_noticed(void **state)
     assert_true(missed > 0);
 }
 
-static void invisible_blocks_are_in_no_tile(void **state)
+TEST(invisible_blocks_are_in_no_tile)
 {
     iso_random random = {5};
     scene_case c;
     iso_screen_reach r;
     size_t covered = 0;
-    (void)state;
     make_case(&c, &random, true, 60);
     memset(c.distance, 1, sizeof c.distance);
     c.distance[0] = 0;
@@ -136,12 +133,11 @@ static void invisible_blocks_are_in_no_tile(void **state)
     iso_screen_reach_destroy(&r);
 }
 
-static void blocks_inside_others_are_passed_over_and_nothing_changes(void **state)
+TEST(blocks_inside_others_are_passed_over_and_nothing_changes)
 {
     iso_random random = {9};
     scene_case c;
     iso_screen_reach full, hollow;
-    (void)state;
     make_case(&c, &random, false, 60);
     memset(c.distance, 0, sizeof c.distance);
     assert_ok(iso_screen_reach_create(&full, &c.geometry, &c.view, &c.blocks, &err));
@@ -155,13 +151,4 @@ static void blocks_inside_others_are_passed_over_and_nothing_changes(void **stat
     iso_screen_reach_destroy(&hollow);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(visible_points_are_within_the_distances_of_their_tile),
-        cmocka_unit_test(blocks_that_stand_elsewhere_are_noticed),
-        cmocka_unit_test(invisible_blocks_are_in_no_tile),
-        cmocka_unit_test(blocks_inside_others_are_passed_over_and_nothing_changes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

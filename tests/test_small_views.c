@@ -68,9 +68,8 @@ static iso_tf_table shell(const iso_level *level0)
     return table;
 }
 
-static void a_cube_covers_three_fifths_of_a_view(void **state)
+TEST(a_cube_covers_three_fifths_of_a_view)
 {
-    (void)state;
     /* Along (2, 2, -1) / 3 a cube of edge a covers a^2 (2 + 2 + 1) / 3, and the frame is 5/3 a wide, in each of the
      * twelve views: an opaque cube against nothing has the mean square 3/5. */
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){40, 40, 40}, (double[]){1.5, 1.5, 1.5});
@@ -88,9 +87,8 @@ static void a_cube_covers_three_fifths_of_a_view(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void threads_change_nothing_and_a_wrong_level_shows(void **state)
+TEST(threads_change_nothing_and_a_wrong_level_shows)
 {
-    (void)state;
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){24, 29, 17}, (double[]){1, 0.8, 1.7});
     g.index_to_world.m[0][1] = 0.3; /* sheared */
     iso_pyramid p = pyramid_of(&g, orbital, 2);
@@ -127,9 +125,8 @@ static void threads_change_nothing_and_a_wrong_level_shows(void **state)
 }
 
 /* The error at the voxels is lower by a tenth, and the space around the orbital fills with a haze. */
-static void a_signed_orbital_keeps_its_empty_space(void **state)
+TEST(a_signed_orbital_keeps_its_empty_space)
 {
-    (void)state;
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){48, 56, 56}, (double[]){1, 1, 1});
     iso_pyramid p = pyramid_of(&g, orbital, 4);
     iso_tf_table tf = shell(p.levels), out;
@@ -145,9 +142,8 @@ static void a_signed_orbital_keeps_its_empty_space(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void a_picture_without_anything_in_it_keeps_the_original(void **state)
+TEST(a_picture_without_anything_in_it_keeps_the_original)
 {
-    (void)state;
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){16, 16, 16}, (double[]){1, 1, 1});
     iso_pyramid p = pyramid_of(&g, orbital, 2);
     iso_tf_table tf = uniform(0), out;
@@ -175,9 +171,8 @@ static bool is_taken(double even, double odd, double rmse)
     return iso_adapt_is_nearer(&original, &adapted);
 }
 
-static void each_part_of_the_rule_decides_somewhere(void **state)
+TEST(each_part_of_the_rule_decides_somewhere)
 {
-    (void)state;
     assert_true(is_taken(-0.01, -0.01, 1));
     assert_false(is_taken(-0.01, -0.01, 1.01)); /* farther by RMSE */
     assert_false(is_taken(-0.02, 0.015, 1));    /* nearer in the mean, within the scatter: .0025 of twice .0053 */
@@ -189,14 +184,4 @@ static void each_part_of_the_rule_decides_somewhere(void **state)
     assert_true(is_taken(-0.04, 0.019, 0.5));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_cube_covers_three_fifths_of_a_view),
-        cmocka_unit_test(threads_change_nothing_and_a_wrong_level_shows),
-        cmocka_unit_test(a_signed_orbital_keeps_its_empty_space),
-        cmocka_unit_test(a_picture_without_anything_in_it_keeps_the_original),
-        cmocka_unit_test(each_part_of_the_rule_decides_somewhere),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "base/stamp.h"
+#include "folder.h"
 
 static void write_text(const char *path, const char *text)
 {
@@ -30,9 +31,8 @@ static bool holds(const char *path, const char *text)
     return is_equal;
 }
 
-static void a_stamped_file_is_overwritten(void **state)
+TEST(a_stamped_file_is_overwritten)
 {
-    (void)state;
     iso_error err = {""};
     write_text("a.blend", "ours");
     assert_int_equal(iso_stamp_append("a.blend", "// ", &err), ISO_OK);
@@ -42,9 +42,8 @@ static void a_stamped_file_is_overwritten(void **state)
     assert_int_equal(iso_stamp_guard("none.blend", false, &err), ISO_OK);
 }
 
-static void no_backup_replaces_another(void **state)
+TEST(no_backup_replaces_another)
 {
-    (void)state;
     iso_error err = {""};
     write_text("b.blend1", "first");
     write_text("b.blend2", "second");
@@ -66,9 +65,8 @@ static void export_by_force(const char *own)
     _exit(0);
 }
 
-static void a_persons_file_survives_three_exports_at_once(void **state)
+TEST(a_persons_file_survives_three_exports_at_once)
 {
-    (void)state;
     enum { ROUNDS = 50, EXPORTS = 3, BACKUPS = 4 };
     for (int round = 0; round < ROUNDS; ++round) {
         bool is_kept = false;
@@ -91,17 +89,9 @@ static void a_persons_file_survives_three_exports_at_once(void **state)
     }
 }
 
-int main(void)
+static int enter_folder(void **state)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_stamped_file_is_overwritten),
-        cmocka_unit_test(no_backup_replaces_another),
-        cmocka_unit_test(a_persons_file_survives_three_exports_at_once),
-    };
-    char folder[] = "/tmp/isoshade-stamp-XXXXXX";
-    if (!mkdtemp(folder) || chdir(folder) != 0)
-        return 1;
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    iso_remove_tree(folder);
-    return failed;
+    return make_folder(state) == 0 ? chdir(folder) : -1;
 }
+
+TEST_MAIN(enter_folder, remove_folder)

@@ -66,9 +66,8 @@ static iso_noise_test run(size_t count, double shift, double gain, double offset
     return test;
 }
 
-static void student_equals_closed_forms_and_tables(void **state)
+TEST(student_equals_closed_forms_and_tables)
 {
-    (void)state;
     const double pi = acos(-1);
     for (double t = 0.1; t < 100; t *= 3) {
         assert_within(iso_student_two_sided(t, 1), 1 - 2 * atan(t) / pi, 1e-13);
@@ -83,9 +82,8 @@ static void student_equals_closed_forms_and_tables(void **state)
     assert_within(iso_student_two_sided(1e6, 3) / iso_student_two_sided(2e6, 3), 8, 1e-6);
 }
 
-static void clean_noise_is_never_flagged_in_20_repetitions(void **state)
+TEST(clean_noise_is_never_flagged_in_20_repetitions)
 {
-    (void)state;
     for (uint64_t seed = 1; seed <= 20; ++seed) {
         iso_noise_test t = run(6, 0, 1, 0, 0.02, 0, seed); /* a chance of 0.2 % a repetition at these fixed seeds */
         if (!t.passed)
@@ -94,9 +92,8 @@ static void clean_noise_is_never_flagged_in_20_repetitions(void **state)
     }
 }
 
-static void each_planted_fault_is_flagged(void **state)
+TEST(each_planted_fault_is_flagged)
 {
-    (void)state;
     for (uint64_t seed = 1; seed <= 5; ++seed) {
         assert_false(run(12, 0.5, 1, 0, 0.005, 0, seed).passed); /* half a pixel aside */
         assert_false(run(12, 0, 0.95, 0, 0.02, 0, seed).passed); /* five percent too dark */
@@ -105,16 +102,14 @@ static void each_planted_fault_is_flagged(void **state)
     }
 }
 
-static void a_bias_within_the_tolerance_is_allowed(void **state)
+TEST(a_bias_within_the_tolerance_is_allowed)
 {
-    (void)state;
     assert_true(run(12, 0, 1, 0.002, 0.02, 0.004, 3).passed);
     assert_false(run(12, 0, 1, 0.002, 0.02, 0.001, 3).passed);
 }
 
-static void without_noise_the_tolerance_decides(void **state)
+TEST(without_noise_the_tolerance_decides)
 {
-    (void)state;
     assert_true(run(2, 0, 1, 0, 0, 0, 1).passed);
     iso_noise_test t = run(2, 0, 1, 0.001, 0, 0, 1);
     assert_false(t.passed);
@@ -123,9 +118,8 @@ static void without_noise_the_tolerance_decides(void **state)
     assert_true(run(2, 0, 1, 0.001, 0, 0.0011, 1).passed);
 }
 
-static void sidak_keeps_the_significance_of_all_tests(void **state)
+TEST(sidak_keeps_the_significance_of_all_tests)
 {
-    (void)state;
     iso_noise_test t = run(3, 0, 1, 0, 0.02, 0, 9);
     assert_within(1 - pow(1 - t.pixel_significance, (double)t.tests), 0.001, 1e-12);
     assert_at_most(t.pixel_significance, 0.001 / (double)t.tests * 1.001);
@@ -180,9 +174,8 @@ static void expect_rate(const char *what, double seen, double expected, size_t r
         fail_msg("%s: a rate of %g, expected %g +- %g", what, seen, expected, deviation);
 }
 
-static void noise_alone_is_flagged_as_often_as_was_said(void **state)
+TEST(noise_alone_is_flagged_as_often_as_was_said)
 {
-    (void)state;
     for (size_t n = 3; n <= 8; n = 2 * n - 2) { /* 3, 4, 6 */
         rates r = measure_rates(NOISE_NORMAL, n, 1500, 0.05, 0, false);
         expect_rate("pixels", r.pixels, 0.05, 1500);
@@ -194,9 +187,8 @@ static void noise_alone_is_flagged_as_often_as_was_said(void **state)
 }
 
 /* Sidak's bound: tests that go together are flagged together, and the rate is lower. Four channels count as one. */
-static void channels_that_are_alike_are_flagged_less_often(void **state)
+TEST(channels_that_are_alike_are_flagged_less_often)
 {
-    (void)state;
     rates r = measure_rates(NOISE_ALIKE, 4, 3000, 0.1, 0, false);
     expect_rate("pixels", r.pixels, 1 - pow(0.9, 0.25), 3000);
     expect_rate("bias", r.bias, 1 - pow(0.9, 0.25), 3000);
@@ -204,9 +196,8 @@ static void channels_that_are_alike_are_flagged_less_often(void **state)
 
 /* n values of density f are alike at x with a chance that goes as x^(n-1) f(x)^n: integrated, 1/32 for the uniform
  * density and 1/(16 pi^2) for the normal one, both of variance 1. */
-static void bounded_noise_is_flagged_five_times_as_often(void **state)
+TEST(bounded_noise_is_flagged_five_times_as_often)
 {
-    (void)state;
     const double times = 16 * acos(-1) * acos(-1) / 32;
     rates r = measure_rates(NOISE_UNIFORM, 4, 3000, 0.01, 0, false);
     expect_rate("pixels", r.pixels, 1 - pow(0.99, times), 3000);
@@ -236,9 +227,8 @@ static double noncentral_tail(double t, double freedom, double shift)
 }
 
 /* What a planted offset of known size is caught with: computed, and seen. */
-static void a_planted_offset_is_caught_as_often_as_computed(void **state)
+TEST(a_planted_offset_is_caught_as_often_as_computed)
 {
-    (void)state;
     assert_within(noncentral_tail(2.776445105, 4, 0), 0.05, 1e-6); /* the integral's step */
     for (size_t n = 4; n <= 8; n += 4) {
         const double freedom = (double)n - 1, alpha = 1 - pow(0.95, 1.0 / small_tests), channel = 1 - pow(0.95, 0.25);
@@ -254,9 +244,8 @@ static void a_planted_offset_is_caught_as_often_as_computed(void **state)
     }
 }
 
-static void critical_values_are_those_of_the_header(void **state)
+TEST(critical_values_are_those_of_the_header)
 {
-    (void)state;
     const double n[] = {3, 4, 8, 16}, pixel[] = {2023, 208, 19.4, 8.85}, bias[] = {63.2, 20.6, 6.81, 4.77},
                  beside[] = {25.4, 19.4, 11.2, 7.80};
     for (int i = 0; i < 4; ++i) {
@@ -267,9 +256,8 @@ static void critical_values_are_those_of_the_header(void **state)
 }
 
 /* Red up and blue down; and alpha alone: neither shows in the mean of all channels' colors. */
-static void channels_do_not_cancel_and_alpha_counts(void **state)
+TEST(channels_do_not_cancel_and_alpha_counts)
 {
-    (void)state;
     const double offsets[2][4] = {{0.01, 0, -0.01, 0}, {0, 0, 0, 0.01}};
     for (int k = 0; k < 2; ++k) {
         uint64_t random = 77;
@@ -293,9 +281,8 @@ static void channels_do_not_cancel_and_alpha_counts(void **state)
     }
 }
 
-static void mean_and_bias_are_those_of_the_images(void **state)
+TEST(mean_and_bias_are_those_of_the_images)
 {
-    (void)state;
     uint64_t random = 5;
     iso_image reference = rendered(0, 1, 0, 0, &random), a = rendered(0, 1, 0.01, 0, &random),
               b = rendered(0, 1, 0.03, 0, &random);
@@ -314,9 +301,8 @@ static void mean_and_bias_are_those_of_the_images(void **state)
     iso_image_destroy(&b);
 }
 
-static void bad_samples_are_refused(void **state)
+TEST(bad_samples_are_refused)
 {
-    (void)state;
     uint64_t random = 5;
     iso_image reference = rendered(0, 1, 0, 0, &random), bad = rendered(0, 1, 0, 0, &random), small, none = {0};
     iso_samples s;
@@ -354,9 +340,8 @@ static iso_image at_step(double h, double order)
     return image;
 }
 
-static void richardson_finds_the_limit_and_the_bar_of_a_power_law(void **state)
+TEST(richardson_finds_the_limit_and_the_bar_of_a_power_law)
 {
-    (void)state;
     for (double order = 1; order <= 4; ++order) {
         iso_image coarse = at_step(0.5, order), fine = at_step(0.25, order), exact = at_step(0, 1), limit;
         iso_extrapolation out;
@@ -378,9 +363,8 @@ static void richardson_finds_the_limit_and_the_bar_of_a_power_law(void **state)
 }
 
 /* Where the step is not resolved the error is of first order: extrapolated as if of second, it is two bars off. */
-static void a_limit_of_first_order_is_two_bars_off(void **state)
+TEST(a_limit_of_first_order_is_two_bars_off)
 {
-    (void)state;
     iso_image coarse = at_step(0.5, 1), fine = at_step(0.25, 1), exact = at_step(0, 1), limit;
     iso_extrapolation out;
     assert_ok(iso_richardson(&coarse, &fine, 2, 2, &limit, &out, &err));
@@ -393,9 +377,8 @@ static void a_limit_of_first_order_is_two_bars_off(void **state)
         iso_image_destroy(all[i]);
 }
 
-static void the_order_is_observed_and_a_wrong_one_shows(void **state)
+TEST(the_order_is_observed_and_a_wrong_one_shows)
 {
-    (void)state;
     for (double order = 1; order <= 3; ++order) {
         iso_image a = at_step(0.5, order), b = at_step(0.25, order), c = at_step(0.125, order);
         double observed;
@@ -412,9 +395,8 @@ static void the_order_is_observed_and_a_wrong_one_shows(void **state)
     iso_image_destroy(&a);
 }
 
-static void limits_with_a_planted_fault_do_not_agree(void **state)
+TEST(limits_with_a_planted_fault_do_not_agree)
 {
-    (void)state;
     iso_image c1 = at_step(0.1, 2), f1 = at_step(0.05, 2), c2 = at_step(0.08, 1), f2 = at_step(0.04, 1), l1, l2;
     iso_extrapolation e1, e2;
     assert_ok(iso_richardson(&c1, &f1, 2, 2, &l1, &e1, &err));
@@ -436,9 +418,8 @@ static void limits_with_a_planted_fault_do_not_agree(void **state)
         iso_image_destroy(all[i]);
 }
 
-static void bad_extrapolations_are_refused(void **state)
+TEST(bad_extrapolations_are_refused)
 {
-    (void)state;
     iso_image a = at_step(0.5, 1), small, limit = {0};
     iso_extrapolation out;
     double order;
@@ -456,28 +437,4 @@ static void bad_extrapolations_are_refused(void **state)
     iso_image_destroy(&small);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(student_equals_closed_forms_and_tables),
-        cmocka_unit_test(clean_noise_is_never_flagged_in_20_repetitions),
-        cmocka_unit_test(each_planted_fault_is_flagged),
-        cmocka_unit_test(a_bias_within_the_tolerance_is_allowed),
-        cmocka_unit_test(without_noise_the_tolerance_decides),
-        cmocka_unit_test(sidak_keeps_the_significance_of_all_tests),
-        cmocka_unit_test(noise_alone_is_flagged_as_often_as_was_said),
-        cmocka_unit_test(channels_that_are_alike_are_flagged_less_often),
-        cmocka_unit_test(bounded_noise_is_flagged_five_times_as_often),
-        cmocka_unit_test(a_planted_offset_is_caught_as_often_as_computed),
-        cmocka_unit_test(critical_values_are_those_of_the_header),
-        cmocka_unit_test(channels_do_not_cancel_and_alpha_counts),
-        cmocka_unit_test(mean_and_bias_are_those_of_the_images),
-        cmocka_unit_test(bad_samples_are_refused),
-        cmocka_unit_test(richardson_finds_the_limit_and_the_bar_of_a_power_law),
-        cmocka_unit_test(a_limit_of_first_order_is_two_bars_off),
-        cmocka_unit_test(the_order_is_observed_and_a_wrong_one_shows),
-        cmocka_unit_test(limits_with_a_planted_fault_do_not_agree),
-        cmocka_unit_test(bad_extrapolations_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

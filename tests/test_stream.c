@@ -150,9 +150,8 @@ static char *partial_of(const char *name)
     return iso_path_join(folder, text);
 }
 
-static void slabs_and_threads_give_the_bytes_of_the_build_in_memory(void **state)
+TEST(slabs_and_threads_give_the_bytes_of_the_build_in_memory)
 {
-    (void)state;
     char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
          *b = iso_path_join(folder, "b.iso");
     for (size_t i = 0; i < JOB_COUNT; ++i) {
@@ -176,9 +175,8 @@ static void slabs_and_threads_give_the_bytes_of_the_build_in_memory(void **state
     free(b);
 }
 
-static void a_build_that_was_killed_is_taken_up_with_the_same_bytes(void **state)
+TEST(a_build_that_was_killed_is_taken_up_with_the_same_bytes)
 {
-    (void)state;
     char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
          *b = iso_path_join(folder, "c.iso");
     char *partial = partial_of("c.iso");
@@ -210,9 +208,8 @@ static void a_build_that_was_killed_is_taken_up_with_the_same_bytes(void **state
     free(partial);
 }
 
-static void what_does_not_fit_is_not_taken_up(void **state)
+TEST(what_does_not_fit_is_not_taken_up)
 {
-    (void)state;
     char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
          *b = iso_path_join(folder, "d.iso");
     job other = jobs[0];
@@ -233,9 +230,8 @@ static void what_does_not_fit_is_not_taken_up(void **state)
     free(b);
 }
 
-static void files_shorter_than_the_progress_says_are_refused(void **state)
+TEST(files_shorter_than_the_progress_says_are_refused)
 {
-    (void)state;
     char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "e.iso"), *partial = partial_of("e.iso");
     iso_volume v = make_volume(jobs[0].size, jobs[0].type, source);
     stream(&jobs[0], source, b, 2, (iso_stream_options){.max_slab = 1, .stop_after = 8}, ISO_E_PROGRAM);
@@ -250,9 +246,8 @@ static void files_shorter_than_the_progress_says_are_refused(void **state)
     free(partial);
 }
 
-static void too_little_memory_is_refused_with_what_is_needed(void **state)
+TEST(too_little_memory_is_refused_with_what_is_needed)
 {
-    (void)state;
     char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "f.iso");
     iso_volume v = make_volume(jobs[0].size, jobs[0].type, source);
     stream(&jobs[0], source, b, 2, (iso_stream_options){.memory_bytes = 1000}, ISO_E_MEMORY);
@@ -262,9 +257,8 @@ static void too_little_memory_is_refused_with_what_is_needed(void **state)
     free(b);
 }
 
-static void voxels_without_data_are_streamed_with_the_same_bytes(void **state)
+TEST(voxels_without_data_are_streamed_with_the_same_bytes)
 {
-    (void)state;
     char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
          *b = iso_path_join(folder, "h.iso");
     const job j = jobs[1];
@@ -285,9 +279,8 @@ static void voxels_without_data_are_streamed_with_the_same_bytes(void **state)
     free(b);
 }
 
-static void an_infinite_value_is_refused_and_leaves_nothing(void **state)
+TEST(an_infinite_value_is_refused_and_leaves_nothing)
 {
-    (void)state;
     char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "g.iso"), *partial = partial_of("g.iso");
     iso_volume v = make_volume(jobs[1].size, jobs[1].type, source);
     ((float *)v.data)[1000] = INFINITY;
@@ -311,9 +304,8 @@ static void write_in(const char *dir, const char *name)
 }
 
 /* Else the next run would take it for its own, and remove it. */
-static void a_file_that_somebody_puts_into_an_unfinished_folder_is_not_listed(void **state)
+TEST(a_file_that_somebody_puts_into_an_unfinished_folder_is_not_listed)
 {
-    (void)state;
     char *path = iso_path_join(folder, "h.iso");
     iso_output out;
     bool resumed;
@@ -328,9 +320,8 @@ static void a_file_that_somebody_puts_into_an_unfinished_folder_is_not_listed(vo
     free(path);
 }
 
-static void nor_does_it_go_with_a_folder_that_is_abandoned(void **state)
+TEST(nor_does_it_go_with_a_folder_that_is_abandoned)
 {
-    (void)state;
     char *path = iso_path_join(folder, "i.iso"), *partial = partial_of("i.iso");
     iso_output out;
     bool resumed;
@@ -347,18 +338,4 @@ static void nor_does_it_go_with_a_folder_that_is_abandoned(void **state)
     free(path);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(slabs_and_threads_give_the_bytes_of_the_build_in_memory),
-        cmocka_unit_test(a_build_that_was_killed_is_taken_up_with_the_same_bytes),
-        cmocka_unit_test(what_does_not_fit_is_not_taken_up),
-        cmocka_unit_test(files_shorter_than_the_progress_says_are_refused),
-        cmocka_unit_test(too_little_memory_is_refused_with_what_is_needed),
-        cmocka_unit_test(voxels_without_data_are_streamed_with_the_same_bytes),
-        cmocka_unit_test(an_infinite_value_is_refused_and_leaves_nothing),
-        cmocka_unit_test(a_file_that_somebody_puts_into_an_unfinished_folder_is_not_listed),
-        cmocka_unit_test(nor_does_it_go_with_a_folder_that_is_abandoned),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

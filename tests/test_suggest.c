@@ -164,9 +164,8 @@ static void measure(const iso_level *l, const iso_tf *tf, double *solid, double 
     iso_tf_table_destroy(&table);
 }
 
-static void the_object_is_shown_and_the_faces_are_no_wall(void **state)
+TEST(the_object_is_shown_and_the_faces_are_no_wall)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         iso_level l = make_level(cases[i].value);
         iso_survey *survey;
@@ -189,9 +188,8 @@ static void the_object_is_shown_and_the_faces_are_no_wall(void **state)
 
 /* The check itself: a transfer function that begins in the background makes a wall, one beyond all values shows
  * nothing. */
-static void a_wall_and_nothing_are_told(void **state)
+TEST(a_wall_and_nothing_are_told)
 {
-    (void)state;
     iso_level l = make_level(ball);
     iso_tf_point points[2] = {{.value = 0, .opacity = 0.75}, {.value = 1, .opacity = 0.75}};
     const iso_tf tf = {.point_count = 2, .points = points, .range = {0, 255}, .unit_distance = 2, .table_size = 64};
@@ -206,9 +204,8 @@ static void a_wall_and_nothing_are_told(void **state)
     free(l.scalar);
 }
 
-static void threads_change_nothing(void **state)
+TEST(threads_change_nothing)
 {
-    (void)state;
     iso_level l = make_level(spots);
     iso_survey *one, *three;
     assert_ok(iso_survey_make(&l, 1, &one, &err));
@@ -241,9 +238,8 @@ static double huge(const sample_at *p)
     return 1e30 * ball(p);
 }
 
-static void any_volume_gets_a_transfer_function(void **state)
+TEST(any_volume_gets_a_transfer_function)
 {
-    (void)state;
     formula *const odd[] = {constant, ramp, only_noise, huge};
     for (size_t i = 0; i < sizeof odd / sizeof *odd; ++i) {
         iso_level l = make_level(odd[i]);
@@ -262,9 +258,8 @@ static void any_volume_gets_a_transfer_function(void **state)
 }
 
 /* From the front a patient's left side is on the right of the picture. */
-static void views_have_their_sides(void **state)
+TEST(views_have_their_sides)
 {
-    (void)state;
     static const struct {
         const char *name;
         iso_vec3 at, right; /* where the camera stands, and what is to the right of it */
@@ -309,9 +304,8 @@ static double cut_chest(const sample_at *p)
     return round(fabs(p->x) > 0.8 ? -1000 + 2 * p->noise : (bone ? 900 : 40) + 60 * p->noise);
 }
 
-static void air_is_the_background_of_a_body_that_is_cut_off(void **state)
+TEST(air_is_the_background_of_a_body_that_is_cut_off)
 {
-    (void)state;
     iso_level l = make_level(cut_chest);
     iso_survey *survey;
     iso_suggestion found;
@@ -333,9 +327,8 @@ static double small_ball(const sample_at *p)
 }
 
 /* A small object in a large volume fills the picture; one that fills the volume leaves the camera with the box. */
-static void the_camera_frames_what_is_visible(void **state)
+TEST(the_camera_frames_what_is_visible)
 {
-    (void)state;
     formula *const objects[] = {small_ball, ball, constant};
     for (size_t i = 0; i < sizeof objects / sizeof *objects; ++i) {
         iso_level l = make_level(objects[i]);
@@ -365,9 +358,8 @@ static void the_camera_frames_what_is_visible(void **state)
     }
 }
 
-static void bad_views_name_what_is_wanted(void **state)
+TEST(bad_views_name_what_is_wanted)
 {
-    (void)state;
     const char *const bad[] = {"frnt", "1", "1,2,3", "10,91", ",", "", "nan,0"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         iso_viewpoint v;
@@ -377,17 +369,4 @@ static void bad_views_name_what_is_wanted(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_object_is_shown_and_the_faces_are_no_wall),
-        cmocka_unit_test(a_wall_and_nothing_are_told),
-        cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(any_volume_gets_a_transfer_function),
-        cmocka_unit_test(air_is_the_background_of_a_body_that_is_cut_off),
-        cmocka_unit_test(the_camera_frames_what_is_visible),
-        cmocka_unit_test(views_have_their_sides),
-        cmocka_unit_test(bad_views_name_what_is_wanted),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

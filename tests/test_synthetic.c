@@ -31,9 +31,8 @@ static bool near_kink(const iso_field *f, iso_vec3 world)
     return false;
 }
 
-static void gradients_equal_numerical_differences_of_the_values(void **state)
+TEST(gradients_equal_numerical_differences_of_the_values)
 {
-    (void)state;
     iso_random random = {11};
     for (int kind = 0; kind < ISO_FIELD_COUNT; ++kind) {
         iso_field f = turned_field((iso_field_kind)kind);
@@ -63,9 +62,8 @@ static void gradients_equal_numerical_differences_of_the_values(void **state)
     }
 }
 
-static void samples_are_the_field_at_voxel_centers(void **state)
+TEST(samples_are_the_field_at_voxel_centers)
 {
-    (void)state;
     for (int kind = 0; kind < ISO_FIELD_COUNT; ++kind) {
         iso_field f = turned_field((iso_field_kind)kind);
         iso_volume v;
@@ -80,9 +78,8 @@ static void samples_are_the_field_at_voxel_centers(void **state)
     }
 }
 
-static void integer_types_use_their_whole_range(void **state)
+TEST(integer_types_use_their_whole_range)
 {
-    (void)state;
     static const double lo[] = {0, -128, 0, -32768, 0, -2147483648.0},
                         hi[] = {255, 127, 65535, 32767, 4294967295.0, 2147483647.0};
     iso_field f = {.kind = ISO_FIELD_SLAB};
@@ -97,9 +94,8 @@ static void integer_types_use_their_whole_range(void **state)
     }
 }
 
-static void planes_do_not_depend_on_slabs_or_threads(void **state)
+TEST(planes_do_not_depend_on_slabs_or_threads)
 {
-    (void)state;
     for (int kind = 0; kind < ISO_FIELD_COUNT; ++kind) {
         iso_field f = turned_field((iso_field_kind)kind);
         f.grain = 0.1;
@@ -116,9 +112,8 @@ static void planes_do_not_depend_on_slabs_or_threads(void **state)
     }
 }
 
-static void known_values_are_where_they_should_be(void **state)
+TEST(known_values_are_where_they_should_be)
 {
-    (void)state;
     iso_field f = {.kind = ISO_FIELD_SPHERE};
     f.geometry = iso_geometry_axis_aligned((size_t[]){20, 30, 40}, (double[]){1, 1, 1});
     iso_vec3 g;
@@ -136,9 +131,8 @@ static void known_values_are_where_they_should_be(void **state)
     assert_within(iso_field_value(&f, iso_v3(0, 0, 5.6), NULL), 0, 0);
 }
 
-static void another_seed_is_another_noise(void **state)
+TEST(another_seed_is_another_noise)
 {
-    (void)state;
     iso_field a = turned_field(ISO_FIELD_NOISE), b = a;
     b.seed = 6;
     double difference = 0;
@@ -150,9 +144,8 @@ static void another_seed_is_another_noise(void **state)
 }
 
 /* Grain of a tenth: its mean, deviation and what neighbors share, of 20^3 voxels; each within four standard errors. */
-static void grain_is_white_and_as_strong_as_was_asked(void **state)
+TEST(grain_is_white_and_as_strong_as_was_asked)
 {
-    (void)state;
     iso_field f = {.kind = ISO_FIELD_CONSTANT, .seed = 3, .grain = 0.1};
     f.geometry = iso_geometry_axis_aligned((size_t[]){20, 20, 20}, (double[]){1, 1, 1});
     iso_volume v;
@@ -178,9 +171,8 @@ static void grain_is_white_and_as_strong_as_was_asked(void **state)
     iso_volume_destroy(&v);
 }
 
-static void unknown_names_are_refused_with_the_list(void **state)
+TEST(unknown_names_are_refused_with_the_list)
 {
-    (void)state;
     iso_field_kind kind;
     iso_error message = {""};
     assert_int_equal(iso_field_from_name("spheer", &kind, &message), ISO_E_USAGE);
@@ -191,17 +183,4 @@ static void unknown_names_are_refused_with_the_list(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gradients_equal_numerical_differences_of_the_values),
-        cmocka_unit_test(samples_are_the_field_at_voxel_centers),
-        cmocka_unit_test(integer_types_use_their_whole_range),
-        cmocka_unit_test(planes_do_not_depend_on_slabs_or_threads),
-        cmocka_unit_test(known_values_are_where_they_should_be),
-        cmocka_unit_test(another_seed_is_another_noise),
-        cmocka_unit_test(grain_is_white_and_as_strong_as_was_asked),
-        cmocka_unit_test(unknown_names_are_refused_with_the_list),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

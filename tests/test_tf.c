@@ -29,9 +29,8 @@ static iso_geometry box(void)
     return iso_geometry_axis_aligned(size, spacing);
 }
 
-static void opacity_becomes_extinction_over_its_unit_distance(void **state)
+TEST(opacity_becomes_extinction_over_its_unit_distance)
 {
-    (void)state;
     char *path = write_text("a.tf.json",
                             TF_HEAD "\"range\": [0, 10], \"unit_distance_mm\": 2, \"table_size\": 11, " TF_POINTS);
     iso_tf tf;
@@ -56,9 +55,8 @@ static void opacity_becomes_extinction_over_its_unit_distance(void **state)
     free(path);
 }
 
-static void a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing(void **state)
+TEST(a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing)
 {
-    (void)state;
     char *path = write_text(
         "b.tf.json",
         "{\"schema\": \"isoshade.tf/1\", \"color_space\": \"srgb\", \"range\": \"fit\", "
@@ -82,9 +80,8 @@ static void a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing(void
     free(path);
 }
 
-static void two_points_of_one_value_make_a_step(void **state)
+TEST(two_points_of_one_value_make_a_step)
 {
-    (void)state;
     char *path = write_text(
         "c.tf.json", TF_HEAD
         "\"range\": [0, 4], \"unit_distance_mm\": 1, \"table_size\": 5, \"points\": ["
@@ -104,9 +101,8 @@ static void two_points_of_one_value_make_a_step(void **state)
 }
 
 /* Values 0 to 65535 in 4096 entries: 16 values from one to the next. */
-static void a_peak_between_two_entries_is_refused(void **state)
+TEST(a_peak_between_two_entries_is_refused)
 {
-    (void)state;
     iso_tf_point peak[] = {
         {.value = 0}, {.value = 1001}, {.value = 1004, .opacity = 0.8}, {.value = 1007}, {.value = 65535}};
     iso_tf tf = {.points = peak, .point_count = 5, .range = {0, 65535}, .unit_distance = 1, .table_size = 4096};
@@ -127,9 +123,8 @@ static void a_peak_between_two_entries_is_refused(void **state)
     iso_tf_table_destroy(&table);
 }
 
-static void a_saved_tf_loads_as_the_same_table(void **state)
+TEST(a_saved_tf_loads_as_the_same_table)
 {
-    (void)state;
     char *path = write_text("d.tf.json", TF_HEAD "\"range\": [0, 10], \"unit_distance_mm\": 2, " TF_POINTS);
     char *again = iso_path_join(folder, "again.tf.json");
     iso_tf a, b;
@@ -149,9 +144,8 @@ static void a_saved_tf_loads_as_the_same_table(void **state)
     free(again);
 }
 
-static void bad_transfer_functions_are_refused_by_key_and_value(void **state)
+TEST(bad_transfer_functions_are_refused_by_key_and_value)
 {
-    (void)state;
     static const struct {
         const char *text, *named;
         iso_status status;
@@ -193,9 +187,8 @@ static void bad_transfer_functions_are_refused_by_key_and_value(void **state)
 #define ONE_LIGHT "{\"direction\": [0, 0, 2], \"space\": \"camera\"}"
 #define PLAIN_SHADING "\"ambient\": 0.3, \"diffuse\": 0.7"
 
-static void a_fitted_camera_frames_the_whole_box(void **state)
+TEST(a_fitted_camera_frames_the_whole_box)
 {
-    (void)state;
     char *path = write_text("a.scene.json", SCENE(FIT_CAMERA, ONE_LIGHT, PLAIN_SHADING));
     iso_scene scene;
     iso_view view;
@@ -217,9 +210,8 @@ static void a_fitted_camera_frames_the_whole_box(void **state)
     free(path);
 }
 
-static void rays_leave_through_pixel_centers_with_row_0_on_top(void **state)
+TEST(rays_leave_through_pixel_centers_with_row_0_on_top)
 {
-    (void)state;
     iso_camera c = {.forward = {0, 1, 0}, .right = {1, 0, 0}, .up = {0, 0, 1}, .half_height = 0.5};
     iso_ray ray = iso_camera_ray(&c, 4, 2, 3, 0);
     assert_within(ray.direction.x / ray.direction.y, 0.75, 1e-12);
@@ -231,9 +223,8 @@ static void rays_leave_through_pixel_centers_with_row_0_on_top(void **state)
     assert_within(ray.direction.y, 1, 0);
 }
 
-static void a_ray_meets_the_box_between_its_faces(void **state)
+TEST(a_ray_meets_the_box_between_its_faces)
 {
-    (void)state;
     iso_geometry g = box(); /* 10 x 40 x 20 mm round the origin */
     double t0, t1;
     iso_ray ray = {{-20, 0, 0}, {1, 0, 0}};
@@ -250,9 +241,8 @@ static void a_ray_meets_the_box_between_its_faces(void **state)
     assert_false(iso_ray_box(&ray, &g, &t0, &t1));
 }
 
-static void bad_scenes_are_refused_by_key_and_value(void **state)
+TEST(bad_scenes_are_refused_by_key_and_value)
 {
-    (void)state;
     static const struct {
         const char *text, *named;
         iso_status status;
@@ -285,9 +275,8 @@ static void bad_scenes_are_refused_by_key_and_value(void **state)
     }
 }
 
-static void the_reference_scenes_load(void **state)
+TEST(the_reference_scenes_load)
 {
-    (void)state;
     static const char *const names[] = {"refscenes/brain.scene.json", "refscenes/marschner-lobb.scene.json",
                                         "refscenes/shells.scene.json"};
     iso_geometry g = box();
@@ -303,9 +292,8 @@ static void the_reference_scenes_load(void **state)
 
 /* The densest that a file can state is read back from what is written of its table; a table that is denser is
  * refused. */
-static void the_densest_table_is_read_back_and_a_denser_one_refused(void **state)
+TEST(the_densest_table_is_read_back_and_a_denser_one_refused)
 {
-    (void)state;
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){4, 4, 4}, (double[]){1, 1, 1});
     iso_tf_point ends[] = {{.value = 0}, {.value = 1, .opacity = 1}};
     const iso_tf densest = {
@@ -331,9 +319,8 @@ static void the_densest_table_is_read_back_and_a_denser_one_refused(void **state
 
 /* What is written and read comes back as the same table: float entries, and opacities stated in 17 digits. Formats of
  * other programs have display colors on lines, so their own limits hold: nodes within 1/2048 of the table, or bytes. */
-static void each_format_that_is_written_and_read_keeps_the_table(void **state)
+TEST(each_format_that_is_written_and_read_keeps_the_table)
 {
-    (void)state;
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){4, 4, 4}, (double[]){1, 1, 1});
     float entries[4 * 16];
     for (int i = 0; i < 64; ++i)
@@ -381,22 +368,4 @@ static void each_format_that_is_written_and_read_keeps_the_table(void **state)
                         ".csv, .tf.json, .vp.json, .paraview.json, .niivue.json or .png");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_densest_table_is_read_back_and_a_denser_one_refused),
-        cmocka_unit_test(each_format_that_is_written_and_read_keeps_the_table),
-        cmocka_unit_test(opacity_becomes_extinction_over_its_unit_distance),
-        cmocka_unit_test(a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing),
-        cmocka_unit_test(two_points_of_one_value_make_a_step),
-        cmocka_unit_test(a_peak_between_two_entries_is_refused),
-        cmocka_unit_test(a_saved_tf_loads_as_the_same_table),
-        cmocka_unit_test(bad_transfer_functions_are_refused_by_key_and_value),
-        cmocka_unit_test(a_fitted_camera_frames_the_whole_box),
-        cmocka_unit_test(rays_leave_through_pixel_centers_with_row_0_on_top),
-        cmocka_unit_test(a_ray_meets_the_box_between_its_faces),
-        cmocka_unit_test(bad_scenes_are_refused_by_key_and_value),
-        cmocka_unit_test(the_reference_scenes_load),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

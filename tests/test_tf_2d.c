@@ -141,18 +141,16 @@ static void check_renderer(const iso_render_options *with, const iso_render_opti
     iso_pyramid_destroy(&p);
 }
 
-static void the_ray_caster_looks_up_the_same_tables(void **state)
+TEST(the_ray_caster_looks_up_the_same_tables)
 {
-    (void)state;
     iso_render_options gl = iso_render_defaults(&iso_renderer_gl),
                        reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_MIDPOINT;
     check_renderer(&gl, &reference, GL_MAX_ABS, GL_RMSE);
 }
 
-static void povray_looks_up_the_same_tables(void **state)
+TEST(povray_looks_up_the_same_tables)
 {
-    (void)state;
     iso_render_options povray = iso_render_defaults(&iso_renderer_povray),
                        reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_POVRAY;
@@ -160,9 +158,8 @@ static void povray_looks_up_the_same_tables(void **state)
     check_renderer(&povray, &reference, POVRAY_MAX_ABS, 1e-5);
 }
 
-static void cycles_looks_up_the_same_tables(void **state)
+VALUES_TEST(cycles_looks_up_the_same_tables)
 {
-    (void)state;
     need_cycles();
     iso_render_options cycles = iso_render_defaults(&iso_renderer_cycles),
                        reference = iso_render_defaults(&iso_renderer_reference);
@@ -172,9 +169,8 @@ static void cycles_looks_up_the_same_tables(void **state)
 
 /* ---- the table ------------------------------------------------------------------------- */
 
-static void lookups_are_bilinear_and_clamped(void **state)
+TEST(lookups_are_bilinear_and_clamped)
 {
-    (void)state;
     float entries[ISO_TF_2D_ROWS][12];
     iso_tf_2d t = {.bytes = NULL};
     for (int c = 0; c < ISO_TF_2D_ROWS; ++c) {
@@ -194,9 +190,8 @@ static void lookups_are_bilinear_and_clamped(void **state)
 }
 
 /* A ramp: a gradient of 3 a voxel along x, so 6 a voxel at level 1, on a range of 3 (n - 1). */
-static void the_gradient_of_a_ramp_has_one_second_value(void **state)
+TEST(the_gradient_of_a_ramp_has_one_second_value)
 {
-    (void)state;
     iso_geometry g = iso_geometry_axis_aligned((const size_t[]){16, 6, 4}, (const double[]){2, 1, 5});
     iso_volume v;
     iso_pyramid p;
@@ -217,9 +212,8 @@ static void the_gradient_of_a_ramp_has_one_second_value(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void the_envelope_bounds_every_row(void **state)
+TEST(the_envelope_bounds_every_row)
 {
-    (void)state;
     iso_pyramid p = noise_pyramid();
     iso_view view = make_view(&p);
     iso_tf_2d t = adapt(&p, ISO_SECOND_VALUE_DEVIATION, &view);
@@ -237,15 +231,4 @@ static void the_envelope_bounds_every_row(void **state)
     iso_pyramid_destroy(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lookups_are_bilinear_and_clamped),
-        cmocka_unit_test(the_gradient_of_a_ramp_has_one_second_value),
-        cmocka_unit_test(the_envelope_bounds_every_row),
-        cmocka_unit_test(the_ray_caster_looks_up_the_same_tables),
-        cmocka_unit_test(povray_looks_up_the_same_tables),
-        cmocka_values_test(cycles_looks_up_the_same_tables),
-    };
-    return cmocka_run_group_tests(tests, NULL, end_renderers);
-}
+TEST_MAIN(NULL, end_renderers)

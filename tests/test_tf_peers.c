@@ -56,9 +56,8 @@ static const char *word(const json_t *object, const char *key)
 }
 
 /* 1/255: what eight bits can show. Points are closer, a quarter of it, and the expected values have six digits. */
-static void curves_are_those_of_vtk(void **state)
+TEST(curves_are_those_of_vtk)
 {
-    (void)state;
     json_t *root;
     assert_ok(iso_json_load("tests/tf/vtk_tables.json", &root, &err));
     const json_t *cases = json_object_get(root, "cases");
@@ -79,9 +78,8 @@ static void curves_are_those_of_vtk(void **state)
 }
 
 /* VTK's own test of its class has this color in the middle, in bytes: (199, 0, 175). */
-static void prolab_is_that_of_vtk(void **state)
+TEST(prolab_is_that_of_vtk)
 {
-    (void)state;
     double rgb[3];
     iso_color_mix(ISO_SPACE_PROLAB, (double[]){1, 0, 0}, (double[]){0, 0, 1}, 0.5, 0, rgb);
     const double expected[3] = {199, 0, 175};
@@ -90,9 +88,8 @@ static void prolab_is_that_of_vtk(void **state)
 }
 
 /* Pairs of the table that comes with [sharma-2005], which has four digits. */
-static void color_differences_are_those_published(void **state)
+TEST(color_differences_are_those_published)
 {
-    (void)state;
     static const double pairs[][7] = {{50, 2.6772, -79.7751, 50, 0, -82.7485, 2.0425},
                                       {50, -1, 2, 50, 0, 0, 2.3669},
                                       {50, 2.5, 0, 73, 25, -18, 27.1492},
@@ -132,9 +129,8 @@ static void assert_shows(const iso_tf *tf, double value, const double rgba[4])
     assert_within(-expm1(-found[3] * tf->unit_distance), fmin(rgba[3], ISO_TF_MAX_OPACITY), 0.5 / 255);
 }
 
-static void steps_at_the_ends_hold_beyond_them(void **state)
+TEST(steps_at_the_ends_hold_beyond_them)
 {
-    (void)state;
     iso_tf tf = load("ends.vp", "1\n1\n1\n0\n0\n1\n8 10 0 10 0.4 20 0.4 20 0.8\n4 0 1 1 1\n8 10 1 1 1 20 1 1 1\n",
                      (iso_tf_request){0});
     assert_shows(&tf, 9, (double[]){1, 1, 1, 0});
@@ -143,9 +139,8 @@ static void steps_at_the_ends_hold_beyond_them(void **state)
     iso_tf_destroy(&tf);
 }
 
-static void a_length_of_slicer_is_in_the_file(void **state)
+TEST(a_length_of_slicer_is_in_the_file)
 {
-    (void)state;
     iso_tf tf;
     assert_ok(iso_tf_load_as("tests/tf/curves.vp.json", &(iso_tf_request){.name = "1"}, &tf, &err));
     assert_within(tf.unit_distance, 2.5, 0);
@@ -156,9 +151,8 @@ static void a_length_of_slicer_is_in_the_file(void **state)
 static const char vp_lines[] = "1\n1\n0.9\n0.1\n0.2\n10\n6 0 0 50 0.25 100 0.75\n4 0 1 255 1\n"
                                "8 0 0 0 0 100 1 0.5 0.25\n";
 
-static void older_properties_of_slicer(void **state)
+TEST(older_properties_of_slicer)
 {
-    (void)state;
     iso_tf tf = load("a.vp", vp_lines, (iso_tf_request){0});
     assert_within(tf.unit_distance, 1, 0);
     assert_shows(&tf, 25, (double[]){0.25, 0.125, 0.0625, 0.125});
@@ -175,9 +169,8 @@ static void older_properties_of_slicer(void **state)
     iso_tf_destroy(&tf);
 }
 
-static void maps_of_paraview_fit_the_volume(void **state)
+TEST(maps_of_paraview_fit_the_volume)
 {
-    (void)state;
     /* A comma before a bracket, as ParaView's own file has. */
     static const char json[] =
         "[{\"Name\": \"a, b]\", \"ColorSpace\": \"RGB\", \"RGBPoints\": [-1, 0, 0, 0, 1, 1, 1, 1,],},]";
@@ -199,9 +192,8 @@ static void maps_of_paraview_fit_the_volume(void **state)
     iso_tf_destroy(&tf);
 }
 
-static void maps_of_niivue_are_bytes_a_voxel(void **state)
+TEST(maps_of_niivue_are_bytes_a_voxel)
 {
-    (void)state;
     static const char text[] =
         "{\"min\": -10, \"max\": 92, \"R\": [0, 200, 255], \"G\": [0, 100, 255], \"B\": [0, 50, 255], "
         "\"A\": [0, 51, 102], \"I\": [0, 125, 255]}";
@@ -212,9 +204,8 @@ static void maps_of_niivue_are_bytes_a_voxel(void **state)
     iso_tf_destroy(&tf);
 }
 
-static void points_of_inviwo_old_and_new(void **state)
+TEST(points_of_inviwo_old_and_new)
 {
-    (void)state;
     static const char *const texts[] = {
         "<?xml version=\"1.0\" ?><InviwoTreeData version=\"1.0\"><maskMin content=\"0\"/><maskMax content=\"1\"/><dataPoints>"
         "<point><pos x=\"0\" y=\"0\"/><rgba x=\"0\" y=\"0\" z=\"0\" w=\"0\"/></point>"
@@ -230,9 +221,8 @@ static void points_of_inviwo_old_and_new(void **state)
     }
 }
 
-static void split_keys_of_voreen_are_steps(void **state)
+TEST(split_keys_of_voreen_are_steps)
 {
-    (void)state;
     static const char text[] =
         "<VoreenData version=\"1\"><TransFuncIntensity><domain x=\"100\" y=\"200\"/><threshold x=\"0\" y=\"1\"/><Keys>"
         "<key><intensity value=\"0\"/><split value=\"false\"/><colorL r=\"0\" g=\"0\" b=\"0\" a=\"51\"/></key>"
@@ -246,9 +236,8 @@ static void split_keys_of_voreen_are_steps(void **state)
     iso_tf_destroy(&tf);
 }
 
-static void lookup_tables_of_imagej(void **state)
+TEST(lookup_tables_of_imagej)
 {
-    (void)state;
     unsigned char bytes[800] = "ICOL";
     const iso_tf_request request = {.unit_mm = 1, .has_opacity = true, .opacity = {0.5, 0.5}};
     for (int i = 0; i < 256; ++i)
@@ -269,9 +258,8 @@ static void lookup_tables_of_imagej(void **state)
     iso_tf_destroy(&tf);
 }
 
-static void tables_of_display_colors(void **state)
+TEST(tables_of_display_colors)
 {
-    (void)state;
     const iso_tf_request unit = {.unit_mm = 1};
     iso_tf tf = load("a.csv", "# of matplotlib\n0 0 0 0\n1.0 0.5 0.2 0.8\n", unit);
     assert_shows(&tf, 0.5, (double[]){0.5, 0.25, 0.1, 0.4});
@@ -304,9 +292,8 @@ static const char slicer_text[] =
 static const char csv_text[] = "value,r,g,b,opacity\n0,0,0,0,0\n5,1,0.5,0,0.25\n9,1,1,1,0.125\n";
 
 /* Bytes changed, cut off or doubled at random: each file is read or refused, and what is read can be tabulated. */
-static void damaged_files_are_read_or_refused(void **state)
+TEST(damaged_files_are_read_or_refused)
 {
-    (void)state;
     static const struct {
         const char *name, *text;
     } files[] = {{"d.itf", inviwo_text},  {"d.tfi", voreen_text},    {"d.mrml", mrml_text},
@@ -347,22 +334,4 @@ static void damaged_files_are_read_or_refused(void **state)
         fail_msg("%d were read and %d refused: the damage is too strong or too weak", read, refused);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(curves_are_those_of_vtk),
-        cmocka_unit_test(prolab_is_that_of_vtk),
-        cmocka_unit_test(color_differences_are_those_published),
-        cmocka_unit_test(steps_at_the_ends_hold_beyond_them),
-        cmocka_unit_test(a_length_of_slicer_is_in_the_file),
-        cmocka_unit_test(older_properties_of_slicer),
-        cmocka_unit_test(maps_of_paraview_fit_the_volume),
-        cmocka_unit_test(maps_of_niivue_are_bytes_a_voxel),
-        cmocka_unit_test(points_of_inviwo_old_and_new),
-        cmocka_unit_test(split_keys_of_voreen_are_steps),
-        cmocka_unit_test(lookup_tables_of_imagej),
-        cmocka_unit_test(tables_of_display_colors),
-        cmocka_unit_test(damaged_files_are_read_or_refused),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -16,9 +16,8 @@ static iso_volume volume_of(iso_type type, size_t count, const void *samples, si
 }
 
 /* 0 to 999, each once, in at most 300 bins: 4 values a bin, in each but none of another width. */
-static void whole_numbers_fill_bins_evenly(void **state)
+TEST(whole_numbers_fill_bins_evenly)
 {
-    (void)state;
     uint16_t samples[1000];
     for (size_t i = 0; i < 1000; ++i)
         samples[i] = (uint16_t)i;
@@ -35,9 +34,8 @@ static void whole_numbers_fill_bins_evenly(void **state)
     iso_volume_destroy(&v);
 }
 
-static void whole_numbers_in_floats_do_too(void **state)
+TEST(whole_numbers_in_floats_do_too)
 {
-    (void)state;
     const float samples[5] = {-3, -3, 0, 2, 2};
     iso_volume v = volume_of(ISO_F32, 5, samples, sizeof samples);
     iso_value_histogram h;
@@ -51,9 +49,8 @@ static void whole_numbers_in_floats_do_too(void **state)
 }
 
 /* Both ends are counted, what is beyond them is not. */
-static void other_numbers_are_binned_over_the_range(void **state)
+TEST(other_numbers_are_binned_over_the_range)
 {
-    (void)state;
     const float samples[6] = {-0.1f, 0, 0.24f, 0.25f, 1, 1.1f};
     iso_volume v = volume_of(ISO_F32, 6, samples, sizeof samples);
     iso_value_histogram h;
@@ -67,9 +64,8 @@ static void other_numbers_are_binned_over_the_range(void **state)
     iso_volume_destroy(&v);
 }
 
-static void one_value_is_one_bin(void **state)
+TEST(one_value_is_one_bin)
 {
-    (void)state;
     const float half[3] = {0.5f, 0.5f, 0.5f};
     const uint8_t whole[3] = {7, 7, 7};
     iso_volume v = volume_of(ISO_F32, 3, half, sizeof half), w = volume_of(ISO_U8, 3, whole, sizeof whole);
@@ -87,13 +83,4 @@ static void one_value_is_one_bin(void **state)
     iso_volume_destroy(&w);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(whole_numbers_fill_bins_evenly),
-        cmocka_unit_test(whole_numbers_in_floats_do_too),
-        cmocka_unit_test(other_numbers_are_binned_over_the_range),
-        cmocka_unit_test(one_value_is_one_bin),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

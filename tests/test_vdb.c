@@ -88,7 +88,7 @@ static size_t count_differences(const iso_pyramid *p, size_t k, const char *path
     return bad;
 }
 
-static void every_voxel_is_equal_when_read_back(void **state)
+TEST(every_voxel_is_equal_when_read_back)
 {
     fixture *f = *state;
     iso_vdb_options opt = iso_vdb_defaults();
@@ -96,7 +96,7 @@ static void every_voxel_is_equal_when_read_back(void **state)
     assert_int_equal(count_differences(&f->pyramid, 0, f->path, "density", "gradient", 0), 0);
 }
 
-static void several_levels_are_named_by_level(void **state)
+TEST(several_levels_are_named_by_level)
 {
     fixture *f = *state;
     iso_vdb_options opt = iso_vdb_defaults();
@@ -113,7 +113,7 @@ static void several_levels_are_named_by_level(void **state)
 }
 
 /* Levels that overhang the box (odd sizes), axes rotated and sheared. */
-static void geometry_survives(void **state)
+TEST(geometry_survives)
 {
     fixture *f = *state;
     iso_vdb_options opt = iso_vdb_defaults();
@@ -137,7 +137,7 @@ static void geometry_survives(void **state)
 }
 
 /* x from its other end, and the same voxels at the same places of the world. */
-static void a_left_handed_grid_is_stored_right_handed(void **state)
+TEST(a_left_handed_grid_is_stored_right_handed)
 {
     fixture *f = *state;
     iso_vdb_options opt = iso_vdb_defaults();
@@ -173,7 +173,7 @@ static void a_left_handed_grid_is_stored_right_handed(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void half_floats_are_near_and_smaller(void **state)
+TEST(half_floats_are_near_and_smaller)
 {
     fixture *f = *state;
     iso_vdb_options opt = iso_vdb_defaults();
@@ -193,7 +193,7 @@ static void half_floats_are_near_and_smaller(void **state)
 }
 
 /* The rim and one voxel before it have the indices from 0, and voxels stay where they are in the world. */
-static void a_rim_moves_no_voxel(void **state)
+TEST(a_rim_moves_no_voxel)
 {
     fixture *f = *state;
     iso_vdb_options opt = iso_vdb_defaults();
@@ -224,7 +224,7 @@ static void a_rim_moves_no_voxel(void **state)
 }
 
 /* The comparison above must see a swapped axis and a shift by one voxel. */
-static void a_swapped_axis_and_a_shift_are_seen(void **state)
+TEST(a_swapped_axis_and_a_shift_are_seen)
 {
     fixture *f = *state;
     iso_vdb_options opt = iso_vdb_defaults();
@@ -246,7 +246,7 @@ static void a_swapped_axis_and_a_shift_are_seen(void **state)
     free(kept);
 }
 
-static void single_voxels_and_plates_are_kept(void **state)
+TEST(single_voxels_and_plates_are_kept)
 {
     fixture *f = *state;
     const size_t sizes[3][3] = {{1, 1, 1}, {1, 9, 17}, {8, 1, 8}};
@@ -261,7 +261,7 @@ static void single_voxels_and_plates_are_kept(void **state)
     }
 }
 
-static void bad_calls_are_refused(void **state)
+TEST(bad_calls_are_refused)
 {
     fixture *f = *state;
     iso_vdb_options opt = iso_vdb_defaults();
@@ -279,7 +279,7 @@ static void bad_calls_are_refused(void **state)
     assert_status(iso_vdb_load_grid(f->path, "density", 1, (size_t[]){1, 1, 1}, out, NULL, &err), ISO_E_FORMAT);
 }
 
-static void a_full_disk_leaves_no_file(void **state)
+TEST(a_full_disk_leaves_no_file)
 {
     fixture *f = *state;
     char *path = iso_path_join(f->dir, "full.vdb");
@@ -302,19 +302,4 @@ static void a_full_disk_leaves_no_file(void **state)
     free(path);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_voxel_is_equal_when_read_back),
-        cmocka_unit_test(several_levels_are_named_by_level),
-        cmocka_unit_test(geometry_survives),
-        cmocka_unit_test(a_left_handed_grid_is_stored_right_handed),
-        cmocka_unit_test(half_floats_are_near_and_smaller),
-        cmocka_unit_test(a_rim_moves_no_voxel),
-        cmocka_unit_test(a_swapped_axis_and_a_shift_are_seen),
-        cmocka_unit_test(single_voxels_and_plates_are_kept),
-        cmocka_unit_test(bad_calls_are_refused),
-        cmocka_unit_test(a_full_disk_leaves_no_file),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_MAIN(setup, teardown)

@@ -150,7 +150,7 @@ static void compare(fixture *f, const iso_pyramid *p, size_t k, const iso_vdb_sh
     free(grids[1].values);
 }
 
-static void every_cell_has_the_extinction_that_it_had(void **state)
+TEST_BETWEEN(every_cell_has_the_extinction_that_it_had, setup, teardown)
 {
     fixture *f = *state;
     const double bands[][2] = {{0.5, 1}, {0, 0.3}, {0.4, 0.6}, {0.9, 0.95}};
@@ -165,7 +165,7 @@ static void every_cell_has_the_extinction_that_it_had(void **state)
         }
 }
 
-static void of_several_transfer_functions_any_shows(void **state)
+TEST_BETWEEN(of_several_transfer_functions_any_shows, setup, teardown)
 {
     fixture *f = *state;
     iso_tf_table tfs[2] = {{0}, {0}};
@@ -177,7 +177,7 @@ static void of_several_transfer_functions_any_shows(void **state)
     iso_tf_table_destroy(&tfs[1]);
 }
 
-static void a_left_handed_grid_is_as_sparse(void **state)
+TEST_BETWEEN(a_left_handed_grid_is_as_sparse, setup, teardown)
 {
     fixture *f = *state;
     iso_pyramid p = make_pyramid(ISO_U8, true);
@@ -192,7 +192,7 @@ static void a_left_handed_grid_is_as_sparse(void **state)
 }
 
 /* A band between two ranges that are not shown: values above it must not become the background below it. */
-static void voxels_beyond_visible_cells_stay(void **state)
+TEST_BETWEEN(voxels_beyond_visible_cells_stay, setup, teardown)
 {
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
@@ -216,7 +216,7 @@ static void voxels_beyond_visible_cells_stay(void **state)
 }
 
 /* Planted fault: a single voxel that is needed, and is not there, is found. */
-static void a_voxel_too_few_is_found(void **state)
+TEST_BETWEEN(a_voxel_too_few_is_found, setup, teardown)
 {
     fixture *f = *state;
     const iso_geometry *g = &f->pyramid.levels[0].geometry;
@@ -238,7 +238,7 @@ static void a_voxel_too_few_is_found(void **state)
 }
 
 /* Directions where cells are seen, and nowhere else; there they are what they were. */
-static void directions_are_kept_where_something_is_seen(void **state)
+TEST_BETWEEN(directions_are_kept_where_something_is_seen, setup, teardown)
 {
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
@@ -272,7 +272,7 @@ static void directions_are_kept_where_something_is_seen(void **state)
 }
 
 /* No transfer function: what equals the background all round goes, and no value changes. */
-static void a_plain_background_changes_no_value(void **state)
+TEST_BETWEEN(a_plain_background_changes_no_value, setup, teardown)
 {
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
@@ -297,7 +297,7 @@ static void a_plain_background_changes_no_value(void **state)
     free(sparse.values);
 }
 
-static void a_background_that_shows_is_refused(void **state)
+TEST_BETWEEN(a_background_that_shows_is_refused, setup, teardown)
 {
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
@@ -310,7 +310,7 @@ static void a_background_that_shows_is_refused(void **state)
 }
 
 /* c / 127 as c / 128 in half floats: not one bit of what the code held is lost. */
-static void half_directions_hold_what_the_code_held(void **state)
+TEST_BETWEEN(half_directions_hold_what_the_code_held, setup, teardown)
 {
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[1];
@@ -334,7 +334,7 @@ static void half_directions_hold_what_the_code_held(void **state)
 }
 
 /* Any number of threads marks the same. */
-static void threads_do_not_matter(void **state)
+TEST_BETWEEN(threads_do_not_matter, setup, teardown)
 {
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
@@ -372,7 +372,7 @@ static void save_by(fixture *f, int threads, bool half_directions, char **bytes,
 }
 
 /* Of 120 leaves each thread writes some; by ZIP and as OpenVDB does it otherwise. */
-static void threads_write_the_same_bytes(void **state)
+TEST_BETWEEN(threads_write_the_same_bytes, setup, teardown)
 {
     for (int half = 0; half < 2; ++half) {
         char *by_one, *by_three;
@@ -396,7 +396,7 @@ static bool holds(const char *path, const char *text)
     return found;
 }
 
-static void files_say_what_they_are_and_no_folder(void **state)
+TEST_BETWEEN(files_say_what_they_are_and_no_folder, setup, teardown)
 {
     fixture *f = *state;
     iso_vdb_options opt = iso_vdb_defaults();
@@ -411,21 +411,4 @@ static void files_say_what_they_are_and_no_folder(void **state)
     assert_false(holds(f->path, "fog volume"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(every_cell_has_the_extinction_that_it_had, setup, teardown),
-        cmocka_unit_test_setup_teardown(of_several_transfer_functions_any_shows, setup, teardown),
-        cmocka_unit_test_setup_teardown(a_left_handed_grid_is_as_sparse, setup, teardown),
-        cmocka_unit_test_setup_teardown(voxels_beyond_visible_cells_stay, setup, teardown),
-        cmocka_unit_test_setup_teardown(a_voxel_too_few_is_found, setup, teardown),
-        cmocka_unit_test_setup_teardown(directions_are_kept_where_something_is_seen, setup, teardown),
-        cmocka_unit_test_setup_teardown(a_plain_background_changes_no_value, setup, teardown),
-        cmocka_unit_test_setup_teardown(a_background_that_shows_is_refused, setup, teardown),
-        cmocka_unit_test_setup_teardown(half_directions_hold_what_the_code_held, setup, teardown),
-        cmocka_unit_test_setup_teardown(threads_do_not_matter, setup, teardown),
-        cmocka_unit_test_setup_teardown(threads_write_the_same_bytes, setup, teardown),
-        cmocka_unit_test_setup_teardown(files_say_what_they_are_and_no_folder, setup, teardown),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -31,9 +31,8 @@ static const json_t *row_of(const iso_report *r, size_t at)
     return json_array_get(json_object_get(iso_report_json(r), "agreement"), at);
 }
 
-static void every_word_of_a_verdict_is_read_again(void **state)
+TEST(every_word_of_a_verdict_is_read_again)
 {
-    (void)state;
     for (int i = 0; i < ISO_VERDICT_UNKNOWN; ++i) {
         json_t *word = json_string(iso_verdict_word((iso_verdict)i));
         assert_int_equal(iso_verdict_from(word), i);
@@ -51,9 +50,8 @@ static void every_word_of_a_verdict_is_read_again(void **state)
 }
 
 /* A comma in a variant's or a renderer's name is no part of the row's form. */
-static void a_row_holds_what_it_is_of_in_fields(void **state)
+TEST(a_row_holds_what_it_is_of_in_fields)
 {
-    (void)state;
     iso_report *r = open_report("fields");
     iso_report_agreement row = {.scene = "s",
                                 .a = "reference",
@@ -76,9 +74,8 @@ static void a_row_holds_what_it_is_of_in_fields(void **state)
     iso_report_destroy(r);
 }
 
-static void rows_are_named_in_words(void **state)
+TEST(rows_are_named_in_words)
 {
-    (void)state;
     static const struct {
         const char *a, *renderer, *comparison, *variant;
         double seeds; /* 0: the row has none */
@@ -124,9 +121,8 @@ static iso_signal signal_of(iso_image image, const double background[3], double 
     return s;
 }
 
-static void a_signal_is_measured_above_the_background(void **state)
+TEST(a_signal_is_measured_above_the_background)
 {
-    (void)state;
     const double gray[3] = {0.25, 0.5, 0.125};
     const iso_signal s = signal_of(shown(25, 0.5F, 0.75F, gray), gray, 1e-3, ISO_SIGNAL_RMS);
     assert_within(s.color, 0.25, 1e-12); /* a quarter of the pixels: half of it in RMS */
@@ -145,9 +141,8 @@ static void a_signal_is_measured_above_the_background(void **state)
     assert_false(iso_signal_suffices(&none) || iso_signal_suffices(&neither));
 }
 
-static void both_color_and_alpha_have_to_show(void **state)
+TEST(both_color_and_alpha_have_to_show)
 {
-    (void)state;
     const double black[3] = {0, 0, 0};
     static const struct {
         float color, alpha;
@@ -168,9 +163,8 @@ static void both_color_and_alpha_have_to_show(void **state)
     }
 }
 
-static void an_empty_image_is_its_background_in_every_bit(void **state)
+TEST(an_empty_image_is_its_background_in_every_bit)
 {
-    (void)state;
     const double color[3] = {0.2, 0.3, 0.1};
     iso_image image = shown(0, 0, 0, color);
     assert_true(iso_image_is_empty(&image, color));
@@ -185,9 +179,8 @@ static void an_empty_image_is_its_background_in_every_bit(void **state)
 }
 
 /* Noise explains part of a limit's bar, which is then no part of what holds the whole image. */
-static void what_holds_a_limit_is_its_step_and_a_tenth_of_its_noise(void **state)
+TEST(what_holds_a_limit_is_its_step_and_a_tenth_of_its_noise)
 {
-    (void)state;
     iso_extrapolated l = {.step_bar = 1e-3, .bar = 2e-3, .allowed = 2.01e-3};
     assert_within(iso_extrapolated_held_to(&l), 2.01e-3, 1e-12); /* nothing is random */
     l.noise_bar = 1e-3, l.bar = 2 * hypot(1e-3, 1e-3), l.allowed = l.bar + 1e-5;
@@ -203,9 +196,8 @@ static void what_holds_a_limit_is_its_step_and_a_tenth_of_its_noise(void **state
 
 /* ---- verdicts ---- */
 
-static void a_faint_case_is_not_compared_unless_it_differs(void **state)
+TEST(a_faint_case_is_not_compared_unless_it_differs)
 {
-    (void)state;
     iso_report_agreement row = {.error_bar = NAN,
                                 .tolerances = {.rmse = 1e-3},
                                 .metrics = {.rmse = 1e-4, .max_abs = 1e-4, .ssim = 1},
@@ -226,9 +218,8 @@ static void a_faint_case_is_not_compared_unless_it_differs(void **state)
 }
 
 /* Alpha 0 in both images, and another background: the colors differ, whatever alpha says. */
-static void two_empty_images_with_other_backgrounds_differ(void **state)
+TEST(two_empty_images_with_other_backgrounds_differ)
 {
-    (void)state;
     const double black[3] = {0, 0, 0}, gray[3] = {0.2, 0.2, 0.2};
     iso_image a = shown(0, 0, 0, black), b = shown(0, 0, 0, gray);
     iso_report_agreement row = {.error_bar = NAN, .tolerances = {.rmse = 1e-3}, .uncompared = ISO_UNCOMPARED_FAINT};
@@ -240,9 +231,8 @@ static void two_empty_images_with_other_backgrounds_differ(void **state)
     iso_image_destroy(&b);
 }
 
-static void without_limits_the_report_says_that_only_equal_images_agree(void **state)
+TEST(without_limits_the_report_says_that_only_equal_images_agree)
 {
-    (void)state;
     const double black[3] = {0, 0, 0};
     iso_report *r = open_report("equal");
     iso_image a = shown(3, 0.5F, 1, black);
@@ -297,9 +287,8 @@ static size_t failures_of(const iso_report *r)
     return count;
 }
 
-static void the_sentence_counts_what_was_asked_for(void **state)
+TEST(the_sentence_counts_what_was_asked_for)
 {
-    (void)state;
     const iso_verdict agree = ISO_VERDICT_AGREE, differ = ISO_VERDICT_DIFFER, none = ISO_VERDICT_NOT_COMPARED;
     const iso_uncompared faint = ISO_UNCOMPARED_FAINT, trait = ISO_UNCOMPARED_TRAIT, stage = ISO_UNCOMPARED_STAGE;
     static const char open_gl[] = "nothing was compared of gl in the scene s";
@@ -342,9 +331,8 @@ static void the_sentence_counts_what_was_asked_for(void **state)
 }
 
 /* Rows of a stage name it, and have no renderer. */
-static void a_stage_that_did_not_run_has_a_row(void **state)
+TEST(a_stage_that_did_not_run_has_a_row)
 {
-    (void)state;
     iso_report *r = open_report("stage");
     const iso_report_agreement row = {.scene = "s",
                                       .comparison = ISO_COMPARISON_STAGE,
@@ -364,21 +352,4 @@ static void a_stage_that_did_not_run_has_a_row(void **state)
     iso_report_destroy(r);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_word_of_a_verdict_is_read_again),
-        cmocka_unit_test(a_row_holds_what_it_is_of_in_fields),
-        cmocka_unit_test(rows_are_named_in_words),
-        cmocka_unit_test(a_signal_is_measured_above_the_background),
-        cmocka_unit_test(both_color_and_alpha_have_to_show),
-        cmocka_unit_test(an_empty_image_is_its_background_in_every_bit),
-        cmocka_unit_test(what_holds_a_limit_is_its_step_and_a_tenth_of_its_noise),
-        cmocka_unit_test(a_faint_case_is_not_compared_unless_it_differs),
-        cmocka_unit_test(two_empty_images_with_other_backgrounds_differ),
-        cmocka_unit_test(without_limits_the_report_says_that_only_equal_images_agree),
-        cmocka_unit_test(the_sentence_counts_what_was_asked_for),
-        cmocka_unit_test(a_stage_that_did_not_run_has_a_row),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -40,9 +40,8 @@ static size_t index_of(size_t x, size_t y, size_t z)
     return x + NX * (y + NY * z);
 }
 
-static void voxels_are_counted_from_the_threshold_on(void **state)
+TEST(voxels_are_counted_from_the_threshold_on)
 {
-    (void)state;
     subject s;
     set_up(&s, 1);
     const double threshold = -log1p(-1.0 / 255) / longest_mm; /* extinction and value are the same here */
@@ -59,9 +58,8 @@ static void voxels_are_counted_from_the_threshold_on(void **state)
 }
 
 /* .1 % of 2000 voxels are two of them: one is complained of. */
-static void less_than_a_thousandth_is_complained_of(void **state)
+TEST(less_than_a_thousandth_is_complained_of)
 {
-    (void)state;
     subject s;
     char text[1024];
     set_up(&s, 10);
@@ -79,9 +77,8 @@ static void less_than_a_thousandth_is_complained_of(void **state)
 }
 
 /* Faces across x show 2 x 100 mm2, those across y and z 2 x 400 each: 1800 mm2 in all, a voxel 1 or 2 of them. */
-static void faces_count_by_their_area(void **state)
+TEST(faces_count_by_their_area)
 {
-    (void)state;
     subject s;
     char text[1024];
     const double opaque = 10 * log(10) / mean_mm;
@@ -107,9 +104,8 @@ static void faces_count_by_their_area(void **state)
     assert_false(iso_visible_complaint(&v, "the.nrrd", text, sizeof text));
 }
 
-static void fog_that_can_be_seen_through_is_no_box(void **state)
+TEST(fog_that_can_be_seen_through_is_no_box)
 {
-    (void)state;
     subject s;
     char text[1024];
     set_up(&s, 0.999 * 10 * log(10) / mean_mm);
@@ -121,9 +117,8 @@ static void fog_that_can_be_seen_through_is_no_box(void **state)
 }
 
 /* The box is 32 x 8 of 64 x 64 pixels; of it the half of large x is shown. */
-static void rays_see_what_the_camera_sees(void **state)
+TEST(rays_see_what_the_camera_sees)
 {
-    (void)state;
     subject s;
     char text[1024];
     set_up(&s, 1);
@@ -145,9 +140,8 @@ static void rays_see_what_the_camera_sees(void **state)
 }
 
 /* 10 mm of it along each ray: a depth at which alpha is 1/255 shows something, a little less does not. */
-static void rays_add_up_what_they_meet(void **state)
+TEST(rays_add_up_what_they_meet)
 {
-    (void)state;
     subject s;
     for (int more = 0; more < 2; ++more) {
         set_up(&s, (more ? 1.001 : 0.999) * -log1p(-1.0 / 255) / 10);
@@ -158,9 +152,8 @@ static void rays_add_up_what_they_meet(void **state)
     }
 }
 
-static void clip_planes_that_leave_nothing_are_named(void **state)
+TEST(clip_planes_that_leave_nothing_are_named)
 {
-    (void)state;
     subject s;
     char text[1024];
     set_up(&s, 1);
@@ -173,9 +166,8 @@ static void clip_planes_that_leave_nothing_are_named(void **state)
     assert_non_null(strstr(text, "clip_planes"));
 }
 
-static void an_isosurface_outside_the_values_is_named(void **state)
+TEST(an_isosurface_outside_the_values_is_named)
 {
-    (void)state;
     subject s;
     char text[1024];
     set_up(&s, 1);
@@ -189,9 +181,8 @@ static void an_isosurface_outside_the_values_is_named(void **state)
 }
 
 /* A picture of 100 x 20 pixels, of which two are .1 %. */
-static void pictures_are_judged_by_alpha_and_color(void **state)
+TEST(pictures_are_judged_by_alpha_and_color)
 {
-    (void)state;
     const double background[3] = {0.2, 0.2, 0.2};
     iso_image image;
     char text[1024];
@@ -222,18 +213,4 @@ static void pictures_are_judged_by_alpha_and_color(void **state)
     iso_image_destroy(&image);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(voxels_are_counted_from_the_threshold_on),
-        cmocka_unit_test(less_than_a_thousandth_is_complained_of),
-        cmocka_unit_test(faces_count_by_their_area),
-        cmocka_unit_test(fog_that_can_be_seen_through_is_no_box),
-        cmocka_unit_test(rays_see_what_the_camera_sees),
-        cmocka_unit_test(rays_add_up_what_they_meet),
-        cmocka_unit_test(clip_planes_that_leave_nothing_are_named),
-        cmocka_unit_test(an_isosurface_outside_the_values_is_named),
-        cmocka_unit_test(pictures_are_judged_by_alpha_and_color),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -62,9 +62,8 @@ static void fill(iso_volume *v)
     }
 }
 
-static void every_type_comes_back_from_raw_and_gzip_files(void **state)
+TEST(every_type_comes_back_from_raw_and_gzip_files)
 {
-    (void)state;
     iso_geometry g = turned_geometry(5, 4, 3);
     for (int type = ISO_U8; type <= ISO_F64; ++type)
         for (int gzip = 0; gzip < 2; ++gzip) {
@@ -85,9 +84,8 @@ static void every_type_comes_back_from_raw_and_gzip_files(void **state)
         }
 }
 
-static void planes_one_by_one_equal_the_whole(void **state)
+TEST(planes_one_by_one_equal_the_whole)
 {
-    (void)state;
     iso_geometry g = turned_geometry(6, 5, 7);
     iso_volume v;
     assert_ok(iso_volume_create(&v, &g, ISO_U16, "v", &err));
@@ -158,9 +156,8 @@ static const iso_volume_format counting = {
     .open = open_counting,
 };
 
-static void a_format_of_this_test_alone_is_read_skipped_and_named(void **state)
+TEST(a_format_of_this_test_alone_is_read_skipped_and_named)
 {
-    (void)state;
     iso_volume v;
     iso_error why;
     write_bytes("a.cnt", "COUNTING", 8);
@@ -189,9 +186,8 @@ static void a_format_of_this_test_alone_is_read_skipped_and_named(void **state)
     assert_int_equal(iso_volume_format_suffix_bytes("a.nii.gz"), 7);
 }
 
-static void each_format_has_a_whole_row(void **state)
+TEST(each_format_has_a_whole_row)
 {
-    (void)state;
     for (size_t i = 0; i < iso_volume_format_names.count; ++i) {
         const iso_volume_format *f = iso_volume_format_at(i);
         assert_true(f->name && *f->name && f->title && *f->title && f->summary && *f->summary && f->suffixes[0] == '.');
@@ -202,9 +198,8 @@ static void each_format_has_a_whole_row(void **state)
     }
 }
 
-static void a_sink_that_lacks_planes_leaves_no_file(void **state)
+TEST(a_sink_that_lacks_planes_leaves_no_file)
 {
-    (void)state;
     iso_geometry g = turned_geometry(2, 2, 3);
     iso_volume like = {.geometry = g, .type = ISO_U8, .notes = {.scale_slope = 1}};
     iso_volume_sink *sink;
@@ -214,9 +209,8 @@ static void a_sink_that_lacks_planes_leaves_no_file(void **state)
     assert_false(iso_path_exists(in_dir("lack.nrrd")));
 }
 
-static void both_byte_orders_and_detached_headers_are_read(void **state)
+TEST(both_byte_orders_and_detached_headers_are_read)
 {
-    (void)state;
     static const unsigned char big[] = {0, 1, 0, 2, 255, 255, 128, 0}, little[] = {1, 0, 2, 0, 255, 255, 0, 128};
     static const int16_t wanted[] = {1, 2, -1, -32768};
     iso_volume v;
@@ -260,9 +254,8 @@ static void both_byte_orders_and_detached_headers_are_read(void **state)
     iso_volume_destroy(&v);
 }
 
-static void text_samples_and_slices_in_files_of_their_own_are_read(void **state)
+TEST(text_samples_and_slices_in_files_of_their_own_are_read)
 {
-    (void)state;
     iso_volume v;
     write_nrrd("t.nrrd", "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 1 2\nspacings: 1 1 1\nencoding: ascii\n\n",
                "1 2.5 -3 4e3\n", 13);
@@ -297,9 +290,8 @@ static iso_status load_vti_text(const char *type, const char *numbers, iso_volum
 }
 
 /* A tag may follow the last of them; what C does with a number beyond a type differs by machine. */
-static void numbers_of_a_text_end_at_a_tag_and_are_of_their_type(void **state)
+TEST(numbers_of_a_text_end_at_a_tag_and_are_of_their_type)
 {
-    (void)state;
     iso_volume v;
     assert_ok(load_vti_text("UInt8", "0 255.5 -0.5 7", &v, &err));
     assert_memory_equal(v.data, ((uint8_t[]){0, 255, 0, 7}), 4);
@@ -332,9 +324,8 @@ static iso_geometry geometry_of(const char *header)
 
 #define HEAD "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n"
 
-static void the_space_origin_is_the_center_of_the_first_sample(void **state)
+TEST(the_space_origin_is_the_center_of_the_first_sample)
 {
-    (void)state;
     iso_geometry g = geometry_of(
         HEAD "space dimension: 3\nspace directions: (0,2,0) (0,0,3) (5,0,0)\nspace origin: (10,20,30)\n\n");
     iso_vec3 center = iso_geometry_to_world(&g, iso_v3(0.5, 0.5, 0.5));
@@ -345,9 +336,8 @@ static void the_space_origin_is_the_center_of_the_first_sample(void **state)
     assert_within(g.index_to_world.m[0][2], 5, 0);
 }
 
-static void anatomical_spaces_become_right_anterior_superior(void **state)
+TEST(anatomical_spaces_become_right_anterior_superior)
 {
-    (void)state;
 #define FRAME "\nspace directions: (1,0,0) (0,2,0) (0,0,3)\nspace origin: (10,20,30)\n\n"
     iso_geometry lps = geometry_of(HEAD "space: left-posterior-superior" FRAME);
     assert_within(iso_norm(iso_sub(iso_geometry_to_world(&lps, iso_v3(0.5, 0.5, 0.5)), iso_v3(-10, -20, 30))), 0,
@@ -361,9 +351,8 @@ static void anatomical_spaces_become_right_anterior_superior(void **state)
     assert_within(iso_norm(iso_sub(iso_geometry_to_world(&ras, iso_v3(0.5, 0.5, 0.5)), iso_v3(10, 20, 30))), 0, 1e-14);
 }
 
-static void spacings_axis_mins_and_units_are_kept(void **state)
+TEST(spacings_axis_mins_and_units_are_kept)
 {
-    (void)state;
     iso_geometry g = geometry_of(HEAD "spacings: 1 2 3\n\n");
     assert_within(iso_norm(iso_sub(g.origin_mm, iso_v3(-1, -2, -3))), 0, 0); /* centered */
     g = geometry_of(HEAD "spacings: 1 2 3\naxis mins: 5 6 7\ncenterings: cell cell node\n\n");
@@ -378,9 +367,8 @@ static void spacings_axis_mins_and_units_are_kept(void **state)
     assert_within(g.origin_mm.x, 5, 1e-14);
 }
 
-static void raw_files_follow_the_layout_that_is_given(void **state)
+TEST(raw_files_follow_the_layout_that_is_given)
 {
-    (void)state;
     write_bytes("r.raw", "??\0\1\0\2\0\3\0\4\0\5\0\6", 14);
     iso_raw_layout layout = {
         .type = ISO_U16, .size = {3, 1, 2}, .spacing_mm = {1, 2, 3}, .big_endian = true, .skip_bytes = 2};
@@ -402,9 +390,8 @@ static void raw_files_follow_the_layout_that_is_given(void **state)
     assert_status(iso_volume_load_raw(in_dir("r.raw"), &layout, &v, &err), ISO_E_RANGE);
 }
 
-static void bad_nrrd_files_are_refused_with_the_reason(void **state)
+TEST(bad_nrrd_files_are_refused_with_the_reason)
 {
-    (void)state;
     static const struct {
         const char *header, *samples, *part;
         iso_status status;
@@ -474,9 +461,8 @@ static void bad_nrrd_files_are_refused_with_the_reason(void **state)
     assert_true(of_folder == ISO_E_FORMAT || of_folder == ISO_E_MISSING);
 }
 
-static void non_finite_voxels_are_counted_and_the_first_is_named(void **state)
+TEST(non_finite_voxels_are_counted_and_the_first_is_named)
 {
-    (void)state;
     iso_geometry g = turned_geometry(5, 4, 3);
     iso_volume v;
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "v", &err));
@@ -488,9 +474,8 @@ static void non_finite_voxels_are_counted_and_the_first_is_named(void **state)
     iso_volume_destroy(&v);
 }
 
-static void damage_inside_compressed_samples_is_found(void **state)
+TEST(damage_inside_compressed_samples_is_found)
 {
-    (void)state;
     iso_geometry g = turned_geometry(16, 16, 16);
     iso_volume v;
     char *bytes;
@@ -511,9 +496,8 @@ static void damage_inside_compressed_samples_is_found(void **state)
     iso_volume_destroy(&v);
 }
 
-static void statistics_are_those_of_the_samples(void **state)
+TEST(statistics_are_those_of_the_samples)
 {
-    (void)state;
     iso_geometry g = turned_geometry(3, 2, 2);
     iso_volume v;
     assert_ok(iso_volume_create(&v, &g, ISO_I16, "v", &err));
@@ -560,9 +544,8 @@ static void fuzz_file(const char *name, const char *bytes, size_t size, size_t h
     free(copy);
 }
 
-static void damaged_files_never_crash_the_readers(void **state)
+TEST(damaged_files_never_crash_the_readers)
 {
-    (void)state;
     const char *given = getenv("ISOSHADE_FUZZ_SEED");
     uint64_t seed = given ? strtoull(given, NULL, 10) : 20261121;
     iso_random random = {seed};
@@ -594,26 +577,4 @@ static void damaged_files_never_crash_the_readers(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_type_comes_back_from_raw_and_gzip_files),
-        cmocka_unit_test(planes_one_by_one_equal_the_whole),
-        cmocka_unit_test(a_sink_that_lacks_planes_leaves_no_file),
-        cmocka_unit_test(both_byte_orders_and_detached_headers_are_read),
-        cmocka_unit_test(text_samples_and_slices_in_files_of_their_own_are_read),
-        cmocka_unit_test(numbers_of_a_text_end_at_a_tag_and_are_of_their_type),
-        cmocka_unit_test(the_space_origin_is_the_center_of_the_first_sample),
-        cmocka_unit_test(anatomical_spaces_become_right_anterior_superior),
-        cmocka_unit_test(spacings_axis_mins_and_units_are_kept),
-        cmocka_unit_test(raw_files_follow_the_layout_that_is_given),
-        cmocka_unit_test(bad_nrrd_files_are_refused_with_the_reason),
-        cmocka_unit_test(non_finite_voxels_are_counted_and_the_first_is_named),
-        cmocka_unit_test(damage_inside_compressed_samples_is_found),
-        cmocka_unit_test(statistics_are_those_of_the_samples),
-        cmocka_unit_test(each_format_has_a_whole_row),
-        cmocka_unit_test(a_format_of_this_test_alone_is_read_skipped_and_named),
-        cmocka_unit_test(damaged_files_never_crash_the_readers),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_MAIN(make_folder, remove_folder)

@@ -87,9 +87,8 @@ static bool meets_by_edge_or_corner(const uint8_t levels[8])
     return false;
 }
 
-static void corrected_transitions_are_continuous_in_every_configuration_the_written_ones_are_not(void **state)
+TEST(corrected_transitions_are_continuous_in_every_configuration_the_written_ones_are_not)
 {
-    (void)state;
     random_state = (iso_random){1};
     static const size_t size[3] = {2 * BRICK, 2 * BRICK, 2 * BRICK};
     float *fine = noise(size[0] * size[1] * size[2]);
@@ -124,9 +123,8 @@ static void corrected_transitions_are_continuous_in_every_configuration_the_writ
     free(fine);
 }
 
-static void written_transitions_are_continuous_round_a_box_of_fine_bricks(void **state)
+TEST(written_transitions_are_continuous_round_a_box_of_fine_bricks)
 {
-    (void)state;
     random_state = (iso_random){2};
     static const size_t size[3] = {4 * BRICK, 4 * BRICK, 3 * BRICK};
     float *fine = noise(size[0] * size[1] * size[2]);
@@ -145,9 +143,8 @@ static void written_transitions_are_continuous_round_a_box_of_fine_bricks(void *
     free(fine);
 }
 
-static void corrected_transitions_are_continuous_in_random_layouts(void **state)
+TEST(corrected_transitions_are_continuous_in_random_layouts)
 {
-    (void)state;
     random_state = (iso_random){3};
     static const size_t size[3] = {4 * BRICK, 3 * BRICK, 3 * BRICK};
     float *fine = noise(size[0] * size[1] * size[2]);
@@ -171,22 +168,12 @@ static void corrected_transitions_are_continuous_in_random_layouts(void **state)
     free(fine);
 }
 
-static void parts_of_bricks_are_refused(void **state)
+TEST(parts_of_bricks_are_refused)
 {
-    (void)state;
     iso_warp_field f;
     float fine[12 * 8 * 8] = {0};
     assert_status(iso_warp_field_create(&f, fine, 1, (const size_t[3]){12, 8, 8}, BRICK, &err), ISO_E_RANGE);
     assert_status(iso_warp_field_create(&f, fine, 1, (const size_t[3]){12, 8, 8}, 1, &err), ISO_E_RANGE);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(corrected_transitions_are_continuous_in_every_configuration_the_written_ones_are_not),
-        cmocka_unit_test(written_transitions_are_continuous_round_a_box_of_fine_bricks),
-        cmocka_unit_test(corrected_transitions_are_continuous_in_random_layouts),
-        cmocka_unit_test(parts_of_bricks_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -102,9 +102,8 @@ static double worst_jump(const noise *n, double *apart)
 #define FILTER 1e-5
 #define SEEN 1e-3
 
-static void glsl_is_the_cpu_s_definition_in_every_configuration(void **state)
+TEST(glsl_is_the_cpu_s_definition_in_every_configuration)
 {
-    (void)state;
     random_state = (iso_random){1};
     noise n = make_noise(2, 2, 2);
     uint8_t levels[8];
@@ -133,9 +132,8 @@ static void glsl_is_the_cpu_s_definition_in_every_configuration(void **state)
     destroy_noise(&n);
 }
 
-static void written_is_continuous_round_a_box_and_corrected_in_random_layouts(void **state)
+TEST(written_is_continuous_round_a_box_and_corrected_in_random_layouts)
 {
-    (void)state;
     random_state = (iso_random){2};
     noise n = make_noise(4, 4, 3);
     uint8_t levels[48];
@@ -175,9 +173,8 @@ static double difference(const iso_image *a, const iso_image *b, double *max)
     return sqrt(sum / (double)count);
 }
 
-static void images_agree_with_the_reference_in_every_mode(void **state)
+TEST(images_agree_with_the_reference_in_every_mode)
 {
-    (void)state;
     iso_field kind = {.kind = ISO_FIELD_MARSCHNER_LOBB, .seed = 3};
     kind.geometry = iso_geometry_axis_aligned((size_t[]){40, 44, 33}, (double[]){1, 0.9, 1.3});
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -231,12 +228,4 @@ static void images_agree_with_the_reference_in_every_mode(void **state)
     iso_pyramid_destroy(&p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(glsl_is_the_cpu_s_definition_in_every_configuration),
-        cmocka_unit_test(written_is_continuous_round_a_box_and_corrected_in_random_layouts),
-        cmocka_unit_test(images_agree_with_the_reference_in_every_mode),
-    };
-    return cmocka_run_group_tests(tests, open_gl, close_gl);
-}
+TEST_MAIN(open_gl, close_gl)

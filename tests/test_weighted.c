@@ -149,9 +149,8 @@ static double largest_difference(const dense *s, const float *directions, size_t
     return largest;
 }
 
-static void levels_are_the_rounds_of_the_dense_system(void **state)
+TEST(levels_are_the_rounds_of_the_dense_system)
 {
-    (void)state;
     iso_volume v = noise(9, 10, 27); /* at level 1 two blocks of planes, at level 2 one, overhanging */
     iso_pyramid_options opt = keeping(ISO_DIRECTION_LEAST_SQUARES);
     opt.level_count = 3;
@@ -168,9 +167,8 @@ static void levels_are_the_rounds_of_the_dense_system(void **state)
 }
 
 /* Nearer to level 0's directions than moments are, by the sum that is made small; and not far above the least. */
-static void the_misfit_is_below_that_of_moments(void **state)
+VALUES_TEST(the_misfit_is_below_that_of_moments)
 {
-    (void)state;
     const double parts[] = {0, 0.2, 1};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
         iso_volume v = waves(12, 11, 10, parts[i]);
@@ -200,9 +198,8 @@ static void the_misfit_is_below_that_of_moments(void **state)
     }
 }
 
-static void directions_are_no_longer_than_1_and_magnitudes_those_of_moments(void **state)
+TEST(directions_are_no_longer_than_1_and_magnitudes_those_of_moments)
 {
-    (void)state;
     iso_volume v = noise(17, 13, 21);
     const iso_pyramid_options moments = keeping(ISO_DIRECTION_MOMENTS), opt = keeping(ISO_DIRECTION_LEAST_SQUARES);
     iso_pyramid p = build(&v, &moments), q = build(&v, &opt);
@@ -223,9 +220,8 @@ static void directions_are_no_longer_than_1_and_magnitudes_those_of_moments(void
 }
 
 /* Half of the volume is flat: no directions there, and none that leak far in. */
-static void a_flat_part_has_none(void **state)
+TEST(a_flat_part_has_none)
 {
-    (void)state;
     iso_volume v = noise(40, 8, 8);
     for (size_t i = 0; i < 40 * 8 * 8; ++i)
         if (i % 40 >= 16)
@@ -246,9 +242,8 @@ static void a_flat_part_has_none(void **state)
 }
 
 /* Voxels of 32 and more have moments, as doc/method/least-squares-levels.md says. */
-static void levels_above_the_fourth_have_moments(void **state)
+TEST(levels_above_the_fourth_have_moments)
 {
-    (void)state;
     iso_volume v = noise(70, 5, 3);
     iso_pyramid_options moments = keeping(ISO_DIRECTION_MOMENTS), opt = keeping(ISO_DIRECTION_LEAST_SQUARES);
     moments.level_count = opt.level_count = 7;
@@ -263,14 +258,4 @@ static void levels_above_the_fourth_have_moments(void **state)
     iso_volume_destroy(&v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(levels_are_the_rounds_of_the_dense_system),
-        cmocka_values_test(the_misfit_is_below_that_of_moments),
-        cmocka_unit_test(directions_are_no_longer_than_1_and_magnitudes_those_of_moments),
-        cmocka_unit_test(a_flat_part_has_none),
-        cmocka_unit_test(levels_above_the_fourth_have_moments),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -29,9 +29,8 @@ static double rms_between(const float *a, const float *b)
 }
 
 /* 30^3 figures, not independent: 3 %. A ramp has no second differences, so that all of it is noise. */
-static void the_deviation_of_noise_is_found(void **state)
+TEST(the_deviation_of_noise_is_found)
 {
-    (void)state;
     float *values = malloc(n * n * n * sizeof *values);
     double deviation;
     for (double noise = 0.01; noise < 0.2; noise *= 3) {
@@ -49,9 +48,8 @@ static void the_deviation_of_noise_is_found(void **state)
 }
 
 /* 125 values have a mean whose noise is an eleventh; edges and patches leave more. */
-static void denoising_is_nearer_to_the_truth(void **state)
+TEST(denoising_is_nearer_to_the_truth)
 {
-    (void)state;
     float *truth = malloc(n * n * n * sizeof *truth), *noisy = malloc(n * n * n * sizeof *noisy),
           *out = malloc(n * n * n * sizeof *out);
     sample(ISO_FIELD_SPHERE, 0, truth);
@@ -66,9 +64,8 @@ static void denoising_is_nearer_to_the_truth(void **state)
 }
 
 /* A step of fifty deviations stays where it is: voxels beyond it have no weight. */
-static void an_edge_is_kept(void **state)
+TEST(an_edge_is_kept)
 {
-    (void)state;
     float *values = malloc(n * n * n * sizeof *values), *out = malloc(n * n * n * sizeof *out);
     for (size_t i = 0; i < n * n * n; ++i)
         values[i] = i % n < n / 2 ? 0 : 1;
@@ -105,9 +102,8 @@ static double mean_angle(const iso_field *field, const iso_volume *v, iso_gradie
 
 /* The noise of the sum: weights' squares are .156 * .273^2 against .5 of central differences, a sixth of the
  * deviation. */
-static void smooth_gradients_hold_noise_down(void **state)
+TEST(smooth_gradients_hold_noise_down)
 {
-    (void)state;
     iso_field field;
     iso_volume v;
     assert_ok(iso_shading_sample(ISO_FIELD_SPHERE, n, 0.01, &field, &v, &err));
@@ -119,13 +115,4 @@ static void smooth_gradients_hold_noise_down(void **state)
     iso_volume_destroy(&v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_deviation_of_noise_is_found),
-        cmocka_unit_test(denoising_is_nearer_to_the_truth),
-        cmocka_unit_test(an_edge_is_kept),
-        cmocka_unit_test(smooth_gradients_hold_noise_down),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -53,9 +53,8 @@ static json_int_t count_of(json_t *row, const char *key)
     return json_integer_value(json_object_get(row, key));
 }
 
-static void the_base_has_ratio_one_in_every_figure(void **state)
+TEST(the_base_has_ratio_one_in_every_figure)
 {
-    (void)state;
     iso_level_cases c = two_methods();
     add_case(&c, "a", false, 0.1, 0.3);
     add_case(&c, "b", false, 0.02, 0.001);
@@ -71,9 +70,8 @@ static void the_base_has_ratio_one_in_every_figure(void **state)
 }
 
 /* Ratios 1.01, 1.03 and 1.10: two worse by 2 %, one by 5 %; the worst is named first. */
-static void worse_cases_are_counted_by_both_limits_and_named(void **state)
+TEST(worse_cases_are_counted_by_both_limits_and_named)
 {
-    (void)state;
     iso_level_cases c = two_methods();
     add_case(&c, "slightly", false, 0.1, 0.101);
     add_case(&c, "worse", false, 0.1, 0.103);
@@ -89,9 +87,8 @@ static void worse_cases_are_counted_by_both_limits_and_named(void **state)
     iso_level_cases_destroy(&c);
 }
 
-static void what_is_held_back_stands_in_its_own_block(void **state)
+TEST(what_is_held_back_stands_in_its_own_block)
 {
-    (void)state;
     iso_level_cases c = two_methods();
     add_case(&c, "a", false, 0.1, 0.05);
     add_case(&c, "b", true, 0.1, 0.2);
@@ -103,9 +100,8 @@ static void what_is_held_back_stands_in_its_own_block(void **state)
     iso_level_cases_destroy(&c);
 }
 
-static void cases_that_tell_nothing_are_left_out_with_their_reason(void **state)
+TEST(cases_that_tell_nothing_are_left_out_with_their_reason)
 {
-    (void)state;
     iso_level_cases c = two_methods();
     add_case(&c, "counts", false, 0.1, 0.05);
     add_case(&c, "empty", false, 0.1, 0.9);
@@ -139,9 +135,8 @@ static iso_image plain_image(size_t width, size_t height, float value)
 
 /* Half the picture is background in both: it does not thin the error. */
 /* Volume a: ratios 1/2 and 8, together 2, so the base is the best; b: 1/4, the other is. */
-static void the_best_is_counted_over_all_levels_of_a_pair(void **state)
+TEST(the_best_is_counted_over_all_levels_of_a_pair)
 {
-    (void)state;
     iso_level_cases c = two_methods();
     add_case(&c, "a", false, 0.1, 0.05);
     add_case(&c, "a", false, 0.01, 0.08);
@@ -158,9 +153,8 @@ static void the_best_is_counted_over_all_levels_of_a_pair(void **state)
     iso_level_cases_destroy(&c);
 }
 
-static void errors_are_over_what_either_image_shows(void **state)
+TEST(errors_are_over_what_either_image_shows)
 {
-    (void)state;
     iso_image a = plain_image(32, 32, 0), b = plain_image(32, 32, 0);
     for (size_t i = 0; i < 32 * 16; ++i)
         for (size_t c = 0; c < 4; ++c) {
@@ -183,9 +177,8 @@ static void errors_are_over_what_either_image_shows(void **state)
 }
 
 /* 5 x 3 pixels in boxes of 2: 3 x 2, the last ones cut. */
-static void minifying_takes_means_of_boxes_that_the_border_cuts(void **state)
+TEST(minifying_takes_means_of_boxes_that_the_border_cuts)
 {
-    (void)state;
     iso_image image = plain_image(5, 3, 0), out;
     for (size_t i = 0; i < 15; ++i)
         image.rgba[4 * i] = (float)i;
@@ -200,9 +193,8 @@ static void minifying_takes_means_of_boxes_that_the_border_cuts(void **state)
     iso_image_destroy(&image);
 }
 
-static void methods_are_chosen_by_whole_names(void **state)
+TEST(methods_are_chosen_by_whole_names)
 {
-    (void)state;
     bool wanted[ISO_LEVEL_MAX_METHODS] = {false};
     assert_ok(iso_level_methods_choose("original,tf-2d", wanted, &err));
     for (size_t m = 0; m < iso_level_method_count(); ++m) {
@@ -216,9 +208,8 @@ static void methods_are_chosen_by_whole_names(void **state)
 }
 
 /* The middle of an odd and of an even axis; the shorter axis stays. Voxels keep their values and their places. */
-static void a_crop_keeps_the_middle_where_it_is(void **state)
+TEST(a_crop_keeps_the_middle_where_it_is)
 {
-    (void)state;
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){7, 8, 3}, (double[]){1, 2, 0.5});
     iso_volume v;
     assert_ok(iso_volume_create(&v, &g, ISO_U16, "crop", &err));
@@ -237,18 +228,4 @@ static void a_crop_keeps_the_middle_where_it_is(void **state)
     iso_volume_destroy(&v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_base_has_ratio_one_in_every_figure),
-        cmocka_unit_test(worse_cases_are_counted_by_both_limits_and_named),
-        cmocka_unit_test(what_is_held_back_stands_in_its_own_block),
-        cmocka_unit_test(cases_that_tell_nothing_are_left_out_with_their_reason),
-        cmocka_unit_test(the_best_is_counted_over_all_levels_of_a_pair),
-        cmocka_unit_test(errors_are_over_what_either_image_shows),
-        cmocka_unit_test(minifying_takes_means_of_boxes_that_the_border_cuts),
-        cmocka_unit_test(methods_are_chosen_by_whole_names),
-        cmocka_unit_test(a_crop_keeps_the_middle_where_it_is),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -38,9 +38,8 @@ static bool is_rejected(const iso_power_case *c, iso_power_gate gate, const iso_
     return rejected;
 }
 
-static void kinds_take_turns_and_bright_ones_are_above_1(void **state)
+TEST(kinds_take_turns_and_bright_ones_are_above_1)
 {
-    (void)state;
     for (uint64_t seed = 500; seed < 504; ++seed) {
         iso_power_case c = open_case(seed);
         assert_int_equal(c.kind, seed % ISO_POWER_KIND_COUNT);
@@ -54,9 +53,8 @@ static void kinds_take_turns_and_bright_ones_are_above_1(void **state)
     }
 }
 
-static void nothing_changes_nothing(void **state)
+TEST(nothing_changes_nothing)
 {
-    (void)state;
     iso_power_case c = open_case(500);
     assert_within(change(&c, (iso_planted){0}), 0, 0);
     for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT; ++d)
@@ -65,9 +63,8 @@ static void nothing_changes_nothing(void **state)
 }
 
 /* A tenth of a small amount changes a picture by about a tenth: nothing is lost or clamped on the way. */
-static void deviations_change_a_picture_in_proportion(void **state)
+TEST(deviations_change_a_picture_in_proportion)
 {
-    (void)state;
     iso_power_case c = open_case(501);
     for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT; ++d) {
         const double most = iso_deviation_most((iso_deviation)d);
@@ -81,9 +78,8 @@ static void deviations_change_a_picture_in_proportion(void **state)
     iso_power_close(&c);
 }
 
-static void every_fault_changes_some_scene(void **state)
+TEST(every_fault_changes_some_scene)
 {
-    (void)state;
     size_t seen[ISO_FAULT_COUNT] = {0};
     for (uint64_t seed = 504; seed < 506; ++seed) {
         iso_power_case c = open_case(seed);
@@ -97,9 +93,8 @@ static void every_fault_changes_some_scene(void **state)
 }
 
 /* 16 bits a channel are coarser where the highlights' peak is high. */
-static void a_bright_scene_of_povray_passes(void **state)
+TEST(a_bright_scene_of_povray_passes)
 {
-    (void)state;
     bool rejected;
     iso_power_case c = open_case(505);
     assert_more_than(c.lock_step[iso_renderer_index(&iso_renderer_povray)].max_abs, 2.5e-5);
@@ -112,9 +107,8 @@ static void a_bright_scene_of_povray_passes(void **state)
 }
 
 /* What the ray caster is asked. The faults of the picture have to reach the limit's frames, too. */
-static void clean_scenes_pass_and_faulty_ones_do_not(void **state)
+TEST(clean_scenes_pass_and_faulty_ones_do_not)
 {
-    (void)state;
     const iso_fault faults[] = {ISO_FAULT_MIRRORED, ISO_FAULT_PREMULTIPLIED, ISO_FAULT_CLIPPED, ISO_FAULT_LEVEL,
                                 ISO_FAULT_ONE_SIDED};
     iso_power_case c = open_case(505);
@@ -130,9 +124,8 @@ static void clean_scenes_pass_and_faulty_ones_do_not(void **state)
 
 /* The limit's gates have bars of 1/2550, lock-step has single precision: a deviation between them tells the two
  * apart. */
-static void lock_step_sees_what_a_limit_cannot(void **state)
+TEST(lock_step_sees_what_a_limit_cannot)
 {
-    (void)state;
     iso_power_case c = open_case(504);
     const iso_planted tiny = {.deviation = ISO_DEVIATION_UNIT, .amount = 0.01},
                       little = {.deviation = ISO_DEVIATION_UNIT, .amount = 2};
@@ -144,9 +137,8 @@ static void lock_step_sees_what_a_limit_cannot(void **state)
 
 /* The renderer's scene deviates from the reference's, or the reference's the other way from the renderer's: it is the
  * same question, and the second needs the renderer's images once. */
-static void a_deviation_may_be_planted_on_the_other_side(void **state)
+TEST(a_deviation_may_be_planted_on_the_other_side)
 {
-    (void)state;
     const iso_deviation asked[] = {ISO_DEVIATION_SHIFT, ISO_DEVIATION_UNIT, ISO_DEVIATION_PIXEL};
     iso_power_case c = open_case(504);
     iso_frame_cache cache = {0};
@@ -176,9 +168,8 @@ static void a_deviation_may_be_planted_on_the_other_side(void **state)
 }
 
 /* Three seeds see a block of a few steps of 8 bits; of how many seeds there are not, nothing is said. */
-static void few_seeds_of_cycles_see_a_block(void **state)
+TEST(few_seeds_of_cycles_see_a_block)
 {
-    (void)state;
     if (!cycles_shows_volumes())
         skip();
     iso_power_case c = open_case(500);
@@ -196,9 +187,8 @@ static void few_seeds_of_cycles_see_a_block(void **state)
 
 /* A NaN is a row that differs, by every renderer, not the end of the validation. */
 /* Clopper and Pearson's one-sided bounds, as tables have them. */
-static void rates_are_bounded_as_tables_say(void **state)
+TEST(rates_are_bounded_as_tables_say)
 {
-    (void)state;
     assert_within(iso_power_rate_bound(0, 300), 1 - pow(0.05, 1.0 / 300), 1e-12);
     assert_within(iso_power_rate_bound(1, 10), 0.39416, 1e-5);
     assert_within(iso_power_rate_bound(5, 100), 0.10226, 1e-5);
@@ -206,9 +196,8 @@ static void rates_are_bounded_as_tables_say(void **state)
 }
 
 /* A row of any section, also of an unknown one: what is right must not differ anywhere. */
-static void an_alarm_is_found_in_any_section(void **state)
+TEST(an_alarm_is_found_in_any_section)
 {
-    (void)state;
     const char *const alarms[] = {
         "{\"agreement\": [{\"verdict\": \"agree\"}, {\"b\": \"gl\", \"verdict\": \"differ\"}]}",
         "{\"levels\": [{\"level\": 2, \"verdict\": \"differ\"}]}",
@@ -228,9 +217,8 @@ static void an_alarm_is_found_in_any_section(void **state)
 }
 
 /* Only pictures that are behind the simple way's may be a finding; anything else that is flagged stays a false alarm. */
-static void a_finding_is_of_pictures_alone(void **state)
+TEST(a_finding_is_of_pictures_alone)
 {
-    (void)state;
     static const struct {
         bool is_finding;
         const char *more; /* keys of the level's row, or sections */
@@ -254,9 +242,8 @@ static void a_finding_is_of_pictures_alone(void **state)
     json_decref(clean);
 }
 
-static void a_pixel_that_is_no_number_is_rejected(void **state)
+TEST(a_pixel_that_is_no_number_is_rejected)
 {
-    (void)state;
     const iso_planted nan_pixel = {.deviation = ISO_DEVIATION_PIXEL, .amount = NAN};
     const iso_renderer_info *const renderer[] = {&iso_renderer_gl, &iso_renderer_cycles};
     const int count = cycles_shows_volumes() ? 2 : 1;
@@ -269,22 +256,4 @@ static void a_pixel_that_is_no_number_is_rejected(void **state)
     iso_power_close(&c);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(kinds_take_turns_and_bright_ones_are_above_1),
-        cmocka_unit_test(nothing_changes_nothing),
-        cmocka_unit_test(deviations_change_a_picture_in_proportion),
-        cmocka_unit_test(every_fault_changes_some_scene),
-        cmocka_unit_test(a_bright_scene_of_povray_passes),
-        cmocka_unit_test(clean_scenes_pass_and_faulty_ones_do_not),
-        cmocka_unit_test(lock_step_sees_what_a_limit_cannot),
-        cmocka_unit_test(a_deviation_may_be_planted_on_the_other_side),
-        cmocka_unit_test(few_seeds_of_cycles_see_a_block),
-        cmocka_unit_test(a_pixel_that_is_no_number_is_rejected),
-        cmocka_unit_test(rates_are_bounded_as_tables_say),
-        cmocka_unit_test(an_alarm_is_found_in_any_section),
-        cmocka_unit_test(a_finding_is_of_pictures_alone),
-    };
-    return cmocka_run_group_tests(tests, NULL, end_renderers);
-}
+TEST_MAIN(NULL, end_renderers)

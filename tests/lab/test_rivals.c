@@ -73,9 +73,8 @@ static const rival_maker all_rivals[] = {iso_rival_opacity,       iso_rival_exti
                                          iso_rival_sggx};
 
 /* Everywhere 40: extinction .54 and its color, as level 0 has. The rivals keep floats: 1e-6. */
-static void a_homogeneous_volume_is_what_level_0_is(void **state)
+TEST(a_homogeneous_volume_is_what_level_0_is)
 {
-    (void)state;
     iso_pyramid p = build(forty, 8);
     iso_tf_table tf = make_tf();
     for (size_t i = 0; i < sizeof all_rivals / sizeof *all_rivals; ++i) {
@@ -92,9 +91,8 @@ static void a_homogeneous_volume_is_what_level_0_is(void **state)
 
 /* Every voxel of level 1 is half 0 and half 100, side by side along x: all voxels are alike, so filtering does
  * nothing. */
-static void half_and_half_voxels_have_their_means(void **state)
+TEST(half_and_half_voxels_have_their_means)
 {
-    (void)state;
     iso_pyramid p = build(stripes, 8);
     iso_tf_table tf = make_tf();
     const double a0 = -expm1(-0.3), a1 = -expm1(-0.9), mean = 0.5 * (a0 + a1);
@@ -115,9 +113,8 @@ static void half_and_half_voxels_have_their_means(void **state)
 
 /* Along x a ray meets both halves, along y and z one of them. Means of transmittances are larger than the transmittance
  * of the mean: less extinction than the mean's .6. */
-static void transmittance_is_kept_along_each_axis(void **state)
+TEST(transmittance_is_kept_along_each_axis)
 {
-    (void)state;
     iso_pyramid p = build(stripes, 8);
     iso_tf_table tf = make_tf();
     double color[3];
@@ -162,9 +159,8 @@ static void by_sum(const iso_tf_table *tf, double length_mm, double mean, double
 }
 
 /* 1e-6: the sum's step at a bend of the table; clamped ends, narrow and wide Gaussians, a mean beyond the range. */
-static void the_tf_under_a_gaussian_is_its_closed_form(void **state)
+TEST(the_tf_under_a_gaussian_is_its_closed_form)
 {
-    (void)state;
     iso_tf_table tf = make_tf();
     for (size_t i = 40; i < 60; ++i)
         tf.entries[4 * i + 3] = 3; /* a shell */
@@ -181,9 +177,8 @@ static void the_tf_under_a_gaussian_is_its_closed_form(void **state)
 
 /* Half 0 and half 100: mean and deviation are 50. 1e-4: the table over means and deviations is linear between
  * entries. */
-static void mean_and_deviation_are_put_under_one_gaussian(void **state)
+TEST(mean_and_deviation_are_put_under_one_gaussian)
 {
-    (void)state;
     iso_pyramid p = build(stripes, 8);
     iso_tf_table tf = make_tf();
     double color[3], rgba[4];
@@ -195,9 +190,8 @@ static void mean_and_deviation_are_put_under_one_gaussian(void **state)
 }
 
 /* A level of 16^3 voxels is one brick: its table is that of the whole level. */
-static void one_brick_is_the_whole_level(void **state)
+TEST(one_brick_is_the_whole_level)
 {
-    (void)state;
     iso_pyramid p = build(ramp, 32);
     iso_tf_table tf = make_tf(), whole;
     iso_adapt_options opt = iso_adapt_defaults();
@@ -218,9 +212,8 @@ static void one_brick_is_the_whole_level(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void one_direction_of_microflakes_is_a_surface(void **state)
+TEST(one_direction_of_microflakes_is_a_surface)
 {
-    (void)state;
     const iso_vec3 n = iso_normalize(iso_v3(0.3, -0.8, 0.5)), light = iso_normalize(iso_v3(1, 2, -0.5));
     iso_sggx_sums sums = {0};
     double s[6];
@@ -237,9 +230,8 @@ static void one_direction_of_microflakes_is_a_surface(void **state)
 
 /* All directions alike: the visible ones have the density of the cosine, and the mean of the cosine is 2/3. 18 points:
  * .01. */
-static void a_ball_of_microflakes_has_two_thirds(void **state)
+TEST(a_ball_of_microflakes_has_two_thirds)
 {
-    (void)state;
     const double ball[6] = {0.25, 0.25, 0.25, 0, 0, 0}, none[6] = {0};
     for (int i = 0; i < 5; ++i) {
         const iso_vec3 view = iso_normalize(iso_v3(0.2 * i, 1 - 0.5 * i, 0.3));
@@ -249,9 +241,8 @@ static void a_ball_of_microflakes_has_two_thirds(void **state)
 }
 
 /* The gradient of a ramp is one direction everywhere. */
-static void a_ramp_is_shaded_by_its_gradient(void **state)
+TEST(a_ramp_is_shaded_by_its_gradient)
 {
-    (void)state;
     iso_pyramid p = build(ramp, 16);
     iso_tf_table tf = make_tf();
     const iso_vec3 n = iso_normalize(iso_v3(1, 2, 1)), light = iso_normalize(iso_v3(-1, 1, 3));
@@ -276,9 +267,8 @@ static void a_ramp_is_shaded_by_its_gradient(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void fine_boxes_are_cut_by_the_volume(void **state)
+TEST(fine_boxes_are_cut_by_the_volume)
 {
-    (void)state;
     iso_level levels[3] = {{.geometry = {.size = {7, 5, 4}}},
                            {.geometry = {.size = {4, 3, 2}}},
                            {.geometry = {.size = {2, 2, 1}}}};
@@ -294,19 +284,4 @@ static void fine_boxes_are_cut_by_the_volume(void **state)
     assert_int_equal(coarse.hi[1], 4);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_homogeneous_volume_is_what_level_0_is),
-        cmocka_unit_test(half_and_half_voxels_have_their_means),
-        cmocka_unit_test(transmittance_is_kept_along_each_axis),
-        cmocka_unit_test(the_tf_under_a_gaussian_is_its_closed_form),
-        cmocka_unit_test(mean_and_deviation_are_put_under_one_gaussian),
-        cmocka_unit_test(one_brick_is_the_whole_level),
-        cmocka_unit_test(one_direction_of_microflakes_is_a_surface),
-        cmocka_unit_test(a_ball_of_microflakes_has_two_thirds),
-        cmocka_unit_test(a_ramp_is_shaded_by_its_gradient),
-        cmocka_unit_test(fine_boxes_are_cut_by_the_volume),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -50,9 +50,8 @@ static iso_field field_of(iso_field_kind kind)
 
 static const iso_shading_look look = {.view_count = 2, .image_size = 48, .surface = 0};
 
-static void level_0_is_at_no_distance_from_itself(void **state)
+TEST(level_0_is_at_no_distance_from_itself)
 {
-    (void)state;
     iso_field f = field_of(ISO_FIELD_TUBES);
     iso_pyramid p = pyramid_of(&f);
     iso_shading_subject s;
@@ -78,9 +77,8 @@ static void level_0_is_at_no_distance_from_itself(void **state)
 }
 
 /* Directions turned by a known angle, and mirrored ones, which two-sided light does not tell apart. */
-static void angles_are_those_by_which_directions_were_turned(void **state)
+TEST(angles_are_those_by_which_directions_were_turned)
 {
-    (void)state;
     iso_field f = field_of(ISO_FIELD_PLATE); /* one direction everywhere */
     iso_pyramid p = pyramid_of(&f);
     iso_shading_subject s;
@@ -183,9 +181,8 @@ static double opacity_at(const iso_otsu_surface *surface, double fraction)
     return NAN;
 }
 
-static void the_surface_lies_in_the_middle_of_a_gap(void **state)
+TEST(the_surface_lies_in_the_middle_of_a_gap)
 {
-    (void)state;
     float values[cells];
     const iso_level level = level_of(values, zeros_gap_brain);
     const iso_otsu_surface s = iso_surface_find(&level);
@@ -201,9 +198,8 @@ static void the_surface_lies_in_the_middle_of_a_gap(void **state)
     assert_within(opacity_at(&s, 0.6), 0.8, 1e-12);
 }
 
-static void a_signed_field_shows_the_lobe_and_not_its_background(void **state)
+TEST(a_signed_field_shows_the_lobe_and_not_its_background)
 {
-    (void)state;
     float values[cells];
     const iso_level level = level_of(values, signed_field);
     const iso_otsu_surface s = iso_surface_find(&level);
@@ -220,9 +216,8 @@ static void a_signed_field_shows_the_lobe_and_not_its_background(void **state)
     assert_non_null(strstr(above.left_out, "background"));
 }
 
-static void noise_around_one_value_has_no_surface(void **state)
+TEST(noise_around_one_value_has_no_surface)
 {
-    (void)state;
     float values[cells];
     const iso_level noise = level_of(values, unimodal_noise);
     assert_non_null(strstr(iso_surface_find(&noise).left_out, "two classes"));
@@ -230,9 +225,8 @@ static void noise_around_one_value_has_no_surface(void **state)
     assert_non_null(strstr(iso_surface_find(&same).left_out, "constant"));
 }
 
-static void a_box_parted_evenly_keeps_its_surface(void **state)
+TEST(a_box_parted_evenly_keeps_its_surface)
 {
-    (void)state;
     float values[cells];
     const iso_level level = level_of(values, two_halves);
     const iso_otsu_surface s = iso_surface_find(&level);
@@ -242,9 +236,8 @@ static void a_box_parted_evenly_keeps_its_surface(void **state)
 }
 
 /* Nothing is rendered, and what is asked of it ends well. */
-static void a_volume_without_a_surface_is_left_out(void **state)
+TEST(a_volume_without_a_surface_is_left_out)
 {
-    (void)state;
     iso_field f = field_of(ISO_FIELD_NOISE);
     iso_pyramid p = pyramid_of(&f);
     iso_shading_subject s;
@@ -256,9 +249,8 @@ static void a_volume_without_a_surface_is_left_out(void **state)
     iso_pyramid_destroy(&p);
 }
 
-static void ratios_have_a_median_that_one_case_does_not_move(void **state)
+TEST(ratios_have_a_median_that_one_case_does_not_move)
 {
-    (void)state;
     double ratios[] = {0.9, 0.8, 1.0, 0.7, 0.01};
     const iso_ratios r = iso_ratios_summarize(ratios, 5);
     assert_int_equal(r.count, 5);
@@ -272,9 +264,8 @@ static void ratios_have_a_median_that_one_case_does_not_move(void **state)
 }
 
 /* The sides of a tube point apart. The planted fault is the default with all lengths made equal. */
-static void the_default_is_nearer_to_level_0_than_gradients_on_the_fly(void **state)
+TEST(the_default_is_nearer_to_level_0_than_gradients_on_the_fly)
 {
-    (void)state;
     iso_field f = field_of(ISO_FIELD_TUBES);
     iso_pyramid p = pyramid_of(&f);
     iso_shading_subject s;
@@ -312,9 +303,8 @@ static double nearest(const iso_vec3 *views, int count, bool axes)
     return most;
 }
 
-static void views_are_evenly_spread_and_off_the_axes(void **state)
+TEST(views_are_evenly_spread_and_off_the_axes)
 {
-    (void)state;
     iso_vec3 faces[ISO_FACE_VIEWS], diagonals[ISO_DIAGONAL_VIEWS];
     for (int i = 0; i < ISO_FACE_VIEWS; ++i)
         faces[i] = iso_view_through_face(i);
@@ -333,19 +323,4 @@ static void views_are_evenly_spread_and_off_the_axes(void **state)
     assert_more_than(nearest(faces, ISO_FACE_VIEWS, false), 0.99);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(level_0_is_at_no_distance_from_itself),
-        cmocka_unit_test(angles_are_those_by_which_directions_were_turned),
-        cmocka_unit_test(views_are_evenly_spread_and_off_the_axes),
-        cmocka_unit_test(the_surface_lies_in_the_middle_of_a_gap),
-        cmocka_unit_test(a_signed_field_shows_the_lobe_and_not_its_background),
-        cmocka_unit_test(noise_around_one_value_has_no_surface),
-        cmocka_unit_test(a_box_parted_evenly_keeps_its_surface),
-        cmocka_unit_test(a_volume_without_a_surface_is_left_out),
-        cmocka_unit_test(ratios_have_a_median_that_one_case_does_not_move),
-        cmocka_unit_test(the_default_is_nearer_to_level_0_than_gradients_on_the_fly),
-    };
-    return cmocka_run_group_tests(tests, make_gl, drop_gl);
-}
+TEST_MAIN(make_gl, drop_gl)
