@@ -30,7 +30,7 @@ static void make_brick_scene(brick_scene *s, iso_field_kind kind)
                       .index_to_world = {{{c, -0.8 * d, 0}, {d, 0.8 * c, 0}, {0, 0, 1.7}}}};
     iso_field f = {.kind = kind, .geometry = g, .seed = 3};
     iso_volume v;
-    iso_scene file;
+    OWNED(iso_scene) file;
     assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
     iso_volume_stats stats = iso_volume_measure(&v);
     *s = (brick_scene){
@@ -39,7 +39,6 @@ static void make_brick_scene(brick_scene *s, iso_field_kind kind)
     assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &file, &err));
     file.width = 64, file.height = 56;
     assert_ok(iso_scene_resolve(&file, &g, stats.min, stats.max, &s->view, &err));
-    iso_scene_destroy(&file);
     iso_random random = {3};
     assert_int_equal(iso_brick_count(&s->nodes), sizeof s->levels);
     for (size_t i = 0; i < sizeof s->levels; ++i)

@@ -14,7 +14,7 @@
 static inline iso_pyramid random_pyramid(size_t nx, size_t ny, size_t nz, iso_type type, size_t levels)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){nx, ny, nz}, (double[]){1, 1.5, 2});
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     iso_random random = {3};
     assert_ok(iso_volume_create(&v, &g, type, "v", &err));
@@ -26,7 +26,6 @@ static inline iso_pyramid random_pyramid(size_t nx, size_t ny, size_t nz, iso_ty
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = levels;
     assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 

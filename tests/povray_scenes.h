@@ -207,12 +207,11 @@ static inline void end_comparison(comparison *c)
 /* The largest difference to the reference, which sees what the comparison holds now. */
 static inline double compare(comparison *c, double *rmse)
 {
-    iso_image wanted;
+    OWNED(iso_image) wanted;
     if (!c->image.rgba)
         render_povray(&c->pyramid, c->level, &c->view, &c->options, &c->image);
     render_reference(&c->pyramid, c->level, &c->view, c->quadrature, c->options.intervals, c->options.iso, &wanted);
     const double most = largest_difference(&c->image, &wanted, rmse);
-    iso_image_destroy(&wanted);
     return most;
 }
 

@@ -21,13 +21,12 @@ static inline int end_renderers(void **state)
 /* Of bytes, with so many levels. */
 static inline iso_pyramid build_field(const iso_field *field, size_t levels)
 {
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = levels;
     assert_ok(iso_field_sample(field, ISO_U8, &v, &err));
     assert_ok(iso_pyramid_build(&v, "field", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 

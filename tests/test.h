@@ -67,6 +67,14 @@ static inline int run_cases(CMFixtureFunction setup, CMFixtureFunction teardown)
     }
 /* clang-format on */
 
+/* Variables that are destroyed, or freed, at the end of their block: OWNED(iso_image) a = ..., b; FREED char *text; */
+#define OWNED(type) __attribute__((cleanup(type##_destroy))) type
+#define FREED __attribute__((cleanup(iso_free_held)))
+static inline void iso_free_held(void *pointer)
+{
+    free(*(void **)pointer);
+}
+
 /* The tolerance states its cause in a comment where it is used. */
 /* clang-format off */
 #define assert_within(value, expected, tolerance)                                                       \

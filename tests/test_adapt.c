@@ -72,23 +72,20 @@ TEST(one_fine_value_a_row_leaves_the_tf_unchanged)
     entry diagonal[BINS];
     for (size_t i = 0; i < BINS; ++i)
         diagonal[i] = (entry){i, i, 5 + i};
-    iso_joint j = make_joint(diagonal, BINS);
-    iso_tf_table tf = make_tf();
+    OWNED(iso_joint) j = make_joint(diagonal, BINS);
+    OWNED(iso_tf_table) tf = make_tf();
     for (int average = 0; average < ISO_AVERAGE_COUNT; ++average)
         for (int weight = 0; weight < ISO_WEIGHT_COUNT; ++weight) {
             iso_adapt_options opt = {.average = (iso_adapt_average)average,
                                      .weight = (iso_adapt_weight)weight,
                                      .mix_s = 0.3,
                                      .mix_t = 0.3};
-            iso_tf_table out = adapt(&j, &tf, opt, 1.5, 1);
+            OWNED(iso_tf_table) out = adapt(&j, &tf, opt, 1.5, 1);
             assert_int_equal(out.count, BINS);
             assert_within(out.hi, tf.hi, 1e-12);
             for (size_t i = 0; i < 4 * BINS; ++i)
                 assert_within(out.entries[i], tf.entries[i], 2e-7); /* floats of weights and entries */
-            iso_tf_table_destroy(&out);
         }
-    iso_tf_table_destroy(&tf);
-    iso_joint_destroy(&j);
 }
 
 /* Row 7 mixes bins 6 (3 voxels) and 10 (1 voxel): mean 7, deviation sqrt(3), so x = -1/sqrt(3) and sqrt(3). */
@@ -96,8 +93,8 @@ static const entry mixture[] = {{7, 6, 3}, {7, 10, 1}};
 
 TEST(two_values_average_as_eq_7_says)
 {
-    iso_joint j = make_joint(mixture, 2);
-    iso_tf_table tf = make_tf();
+    OWNED(iso_joint) j = make_joint(mixture, 2);
+    OWNED(iso_tf_table) tf = make_tf();
     const double length = 1.5, x[2] = {-1 / sqrt(3), sqrt(3)}, share[2] = {0.75, 0.25};
     const float *e[2] = {tf.entries + 4 * 6, tf.entries + 4 * 10};
     for (int weight = 0; weight < ISO_WEIGHT_COUNT; ++weight) {
@@ -116,7 +113,7 @@ TEST(two_values_average_as_eq_7_says)
                                      .weight = (iso_adapt_weight)weight,
                                      .mix_s = 0.5,
                                      .mix_t = 0.25};
-            iso_tf_table out = adapt(&j, &tf, opt, length, 2);
+            OWNED(iso_tf_table) out = adapt(&j, &tf, opt, length, 2);
             double span = average == ISO_AVERAGE_TRANSMITTANCE ? length * 2 : length; /* h_0 sqrt(4) */
             double a[2], extinction, color[2] = {u[0], u[1]};
             for (int i = 0; i < 2; ++i)
@@ -129,52 +126,42 @@ TEST(two_values_average_as_eq_7_says)
                 assert_within(out.entries[4 * 7 + c], color[0] * (double)e[0][c] + color[1] * (double)e[1][c],
                               3e-7); /* floats */
             assert_within(out.entries[4 * 7 + 3], extinction, 3e-7);
-            iso_tf_table_destroy(&out);
         }
     }
-    iso_tf_table_destroy(&tf);
-    iso_joint_destroy(&j);
 }
 
 TEST(transparent_entries_do_not_darken_the_color)
 {
     static const entry half[] = {{5, 1, 1}, {5, 9, 1}}; /* bin 1 is transparent */
-    iso_joint j = make_joint(half, 2);
-    iso_tf_table tf = make_tf();
+    OWNED(iso_joint) j = make_joint(half, 2);
+    OWNED(iso_tf_table) tf = make_tf();
     memset(tf.entries + 4 * 1, 0, 3 * sizeof *tf.entries); /* and black */
-    iso_tf_table weighted = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
+    OWNED(iso_tf_table) weighted = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
     for (int c = 0; c < 3; ++c)
         assert_within(weighted.entries[4 * 5 + c], (double)tf.entries[4 * 9 + c], 2e-7);
-    iso_tf_table plain = adapt(&j, &tf, (iso_adapt_options){.average = ISO_AVERAGE_RGBA, .weight = ISO_WEIGHT_GAUSS}, 1,
-                               1);
+    OWNED(iso_tf_table)
+    plain = adapt(&j, &tf, (iso_adapt_options){.average = ISO_AVERAGE_RGBA, .weight = ISO_WEIGHT_GAUSS}, 1, 1);
     for (int c = 0; c < 3; ++c) /* the fault that the paper's average has: half as bright */
         assert_within(plain.entries[4 * 5 + c], 0.5 * (double)tf.entries[4 * 9 + c], 2e-7);
-    iso_tf_table_destroy(&plain);
-    iso_tf_table_destroy(&weighted);
-    iso_tf_table_destroy(&tf);
-    iso_joint_destroy(&j);
 }
 
 TEST(rows_of_no_opacity_keep_the_mean_color)
 {
     static const entry clear[] = {{2, 1, 1}, {2, 3, 1}};
-    iso_joint j = make_joint(clear, 2);
-    iso_tf_table tf = make_tf();
-    iso_tf_table out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
+    OWNED(iso_joint) j = make_joint(clear, 2);
+    OWNED(iso_tf_table) tf = make_tf();
+    OWNED(iso_tf_table) out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
     for (int c = 0; c < 3; ++c)
         assert_within(out.entries[4 * 2 + c], 0.5 * ((double)tf.entries[4 * 1 + c] + (double)tf.entries[4 * 3 + c]),
                       2e-7);
     assert_within(out.entries[4 * 2 + 3], 0, 0);
-    iso_tf_table_destroy(&out);
-    iso_tf_table_destroy(&tf);
-    iso_joint_destroy(&j);
 }
 
 TEST(empty_rows_are_filled_on_premultiplied_entries)
 {
     static const entry two[] = {{4, 2, 1}, {8, 12, 1}}; /* row 4 transparent, row 8 not */
     iso_joint j = make_joint(two, 2);
-    iso_tf_table tf = make_tf();
+    OWNED(iso_tf_table) tf = make_tf();
     iso_tf_table out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
     const double opacity = 1 - exp(-(double)tf.entries[4 * 12 + 3]);
     for (size_t row = 5; row < 8; ++row) {
@@ -191,60 +178,51 @@ TEST(empty_rows_are_filled_on_premultiplied_entries)
     for (size_t i = 0; i < 4 * BINS; ++i)
         assert_within(out.entries[i], (double)tf.entries[i], 2e-7);
     iso_tf_table_destroy(&out);
-    iso_tf_table_destroy(&tf);
     iso_joint_destroy(&j);
 }
 
 TEST(what_lies_beyond_the_window_is_left_out)
 {
     static const entry outlier[] = {{5, 5, 999}, {5, 15, 1}}; /* the outlier is 32 deviations off */
-    iso_joint j = make_joint(outlier, 2);
-    iso_tf_table tf = make_tf();
-    iso_tf_table inside = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
+    OWNED(iso_joint) j = make_joint(outlier, 2);
+    OWNED(iso_tf_table) tf = make_tf();
+    OWNED(iso_tf_table) inside = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
     assert_within(inside.entries[4 * 5 + 3], (double)tf.entries[4 * 5 + 3], 2e-7);
     iso_adapt_options wide = iso_adapt_defaults();
     wide.window = 100;
-    iso_tf_table all = adapt(&j, &tf, wide, 1, 1);
+    OWNED(iso_tf_table) all = adapt(&j, &tf, wide, 1, 1);
     assert_more_than(all.entries[4 * 5 + 3], (double)tf.entries[4 * 5 + 3] + 1e-4);
-    iso_tf_table_destroy(&inside);
-    iso_tf_table_destroy(&all);
-    iso_tf_table_destroy(&tf);
-    iso_joint_destroy(&j);
 }
 
 TEST(opaque_rows_stay_finite)
 {
     static const entry opaque[] = {{9, 9, 1}, {9, 10, 1}, {11, 11, 1}};
-    iso_joint j = make_joint(opaque, 3);
-    iso_tf_table tf = make_tf();
+    OWNED(iso_joint) j = make_joint(opaque, 3);
+    OWNED(iso_tf_table) tf = make_tf();
     for (size_t i = 9; i < 12; ++i)
         tf.entries[4 * i + 3] = 1e4f;
     for (int average = 0; average < ISO_AVERAGE_COUNT; ++average) {
-        iso_tf_table out = adapt(&j, &tf, (iso_adapt_options){.average = (iso_adapt_average)average}, 3, 3);
+        OWNED(iso_tf_table) out = adapt(&j, &tf, (iso_adapt_options){.average = (iso_adapt_average)average}, 3, 3);
         for (size_t row = 0; row < BINS; ++row)
             assert_true(isfinite(out.entries[4 * row + 3]) && out.entries[4 * row + 3] <= 1e4f);
         assert_within(out.entries[4 * 9 + 3], 1e4, 1e-3);
-        iso_tf_table_destroy(&out);
     }
-    iso_tf_table_destroy(&tf);
-    iso_joint_destroy(&j);
 }
 
 TEST(options_outside_their_limits_are_refused)
 {
-    iso_joint j = make_joint(mixture, 2);
+    OWNED(iso_joint) j = make_joint(mixture, 2);
     iso_adapter *a;
     iso_adapt_options opt = iso_adapt_defaults();
     opt.window = 0.5;
     assert_status(iso_adapter_create(&j, &opt, &a, &err), ISO_E_RANGE);
     opt = (iso_adapt_options){.weight = ISO_WEIGHT_MIXED, .mix_s = 0.7, .mix_t = 0.4};
     assert_status(iso_adapter_create(&j, &opt, &a, &err), ISO_E_RANGE);
-    iso_joint_destroy(&j);
 }
 
 TEST(a_table_as_a_tf_file_gives_the_same_entries_back)
 {
-    iso_tf_table tf = make_tf(), back;
+    OWNED(iso_tf_table) tf = make_tf(), back;
     tf.entries[4 * 6 + 3] = 50; /* 1 mm of it would be opaque beyond the cap */
     iso_tf file;
     iso_geometry g = spacing_of(3);
@@ -256,14 +234,12 @@ TEST(a_table_as_a_tf_file_gives_the_same_entries_back)
     for (size_t i = 0; i < 4 * tf.count; ++i)
         assert_within(back.entries[i], (double)tf.entries[i], 1e-5); /* a logarithm near opacity .98 */
     iso_tf_destroy(&file);
-    iso_tf_table_destroy(&back);
-    iso_tf_table_destroy(&tf);
 }
 
 TEST(judgment_is_the_error_at_the_voxels)
 {
-    iso_joint j = make_joint(mixture, 2);
-    iso_tf_table tf = make_tf(), out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
+    OWNED(iso_joint) j = make_joint(mixture, 2);
+    OWNED(iso_tf_table) tf = make_tf(), out = adapt(&j, &tf, iso_adapt_defaults(), 1, 1);
     iso_geometry g = spacing_of(1);
     iso_adapt_judgment v;
     assert_ok(iso_adapt_judge(&j, &tf, &out, &g, &v, &err));
@@ -280,9 +256,6 @@ TEST(judgment_is_the_error_at_the_voxels)
     assert_within(v.rms_adapted, sqrt(sums[1]), 1e-9);
     assert_more_than(v.rms_original, v.rms_adapted);
     assert_false(v.use_original);
-    iso_tf_table_destroy(&out);
-    iso_tf_table_destroy(&tf);
-    iso_joint_destroy(&j);
 }
 
 /* 12 x 8 x 8 voxels: a homogeneous block of value 50 in the planes x < 4, and a plate of 100 in x = 7 and 8, y < 4. The
@@ -290,7 +263,7 @@ TEST(judgment_is_the_error_at_the_voxels)
 static iso_pyramid shared_value_pyramid(bool with_block)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){12, 8, 8}, (double[]){1, 1, 1});
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     assert_ok(iso_volume_create(&v, &g, ISO_U8, "v", &err));
     for (size_t z = 0; z < 8; ++z)
@@ -304,7 +277,6 @@ static iso_pyramid shared_value_pyramid(bool with_block)
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
     assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -315,7 +287,7 @@ TEST(a_tissue_that_shares_a_value_with_a_plate_stays_dark)
     for (size_t i = 80; i < 256; ++i)
         tf.entries[4 * i] = 1, tf.entries[4 * i + 3] = 2;
     for (int with_block = 0; with_block < 2; ++with_block) {
-        iso_pyramid p = shared_value_pyramid(with_block);
+        OWNED(iso_pyramid) p = shared_value_pyramid(with_block);
         iso_adapt_options opt = iso_adapt_defaults();
         /* without the block the row of 50 holds the plate's voxels alone, and shows them; with it they are its tail */
         opt.fall_back = false;
@@ -333,7 +305,6 @@ TEST(a_tissue_that_shares_a_value_with_a_plate_stays_dark)
         assert_ok(iso_adapt_level(&p, 1, &tf, &opt, &out, &v, &err));
         assert_true(v.seen && v.rms_adapted < v.rms_original && (v.use_original || !with_block));
         iso_tf_table_destroy(&out);
-        iso_pyramid_destroy(&p);
     }
     iso_tf_table_destroy(&tf);
 }
@@ -343,29 +314,25 @@ TEST(a_larger_error_at_the_voxels_keeps_the_original_tf)
     /* The window cuts off the entry at 14, three deviations away: TF_0(6) is left, and TF_0(7) at the row is closer to
      * all. */
     static const entry tail[] = {{7, 6, 90}, {7, 14, 10}};
-    iso_joint j = make_joint(tail, 2);
-    iso_tf_table tf = make_tf();
+    OWNED(iso_joint) j = make_joint(tail, 2);
+    OWNED(iso_tf_table) tf = make_tf();
     for (size_t i = 0; i < BINS; ++i)
         memcpy(tf.entries + 4 * i, (const float[]){1, 1, 1, (float)(0.02 * (double)i)}, 4 * sizeof(float));
     iso_adapt_options wide = iso_adapt_defaults();
     wide.window = 4;
-    iso_tf_table narrow_tf = adapt(&j, &tf, iso_adapt_defaults(), 1, 1), wide_tf = adapt(&j, &tf, wide, 1, 1);
+    OWNED(iso_tf_table) narrow_tf = adapt(&j, &tf, iso_adapt_defaults(), 1, 1), wide_tf = adapt(&j, &tf, wide, 1, 1);
     iso_geometry g = spacing_of(1);
     iso_adapt_judgment v;
     assert_ok(iso_adapt_judge(&j, &tf, &narrow_tf, &g, &v, &err));
     assert_true(v.use_original && v.rms_adapted > v.rms_original);
     assert_ok(iso_adapt_judge(&j, &tf, &wide_tf, &g, &v, &err)); /* the mean of all has the least error there is */
     assert_true(!v.use_original && v.rms_adapted < v.rms_original);
-    iso_tf_table_destroy(&narrow_tf);
-    iso_tf_table_destroy(&wide_tf);
-    iso_tf_table_destroy(&tf);
-    iso_joint_destroy(&j);
 }
 
 TEST(deviation_parts_homogeneous_voxels_from_mixed_ones)
 {
-    iso_pyramid p = shared_value_pyramid(true);
-    iso_joint one, second;
+    OWNED(iso_pyramid) p = shared_value_pyramid(true);
+    OWNED(iso_joint) one, second;
     assert_ok(iso_joint_compute(&p, 1, 8, ISO_SECOND_VALUE_NONE, 1, &one, &err));
     assert_ok(iso_joint_compute(&p, 1, 8, ISO_SECOND_VALUE_DEVIATION, 2, &second, &err));
     assert_int_equal(second.voxel_count, one.voxel_count);
@@ -383,14 +350,11 @@ TEST(deviation_parts_homogeneous_voxels_from_mixed_ones)
     assert_int_equal(count_of(&second, 50, 100), 0);
     assert_more_than((double)count_of(&second, 7 * 256 + 50, 100), 10);
     assert_int_equal(count_of(&second, 7 * 256 + 50, 50), 0);
-    iso_joint_destroy(&one);
-    iso_joint_destroy(&second);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own)
 {
-    iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
+    OWNED(iso_pyramid) p = random_pyramid(17, 9, 13, ISO_U8, 3);
     iso_tf_table tf = make_tf(), out;
     iso_adapt_options opt = iso_adapt_defaults();
     iso_adapt_judgment v;
@@ -406,7 +370,6 @@ TEST(levels_of_a_pyramid_get_tables_and_level_0_keeps_its_own)
     opt.bits = 7;
     assert_status(iso_adapt_level(&p, 1, &tf, &opt, &out, &v, &err), ISO_E_RANGE);
     iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 TEST_MAIN(NULL, NULL)

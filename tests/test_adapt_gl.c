@@ -13,7 +13,7 @@
 static iso_pyramid shared_value_pyramid(void)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){12, 8, 8}, (double[]){1, 1, 1});
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     assert_ok(iso_volume_create(&v, &g, ISO_U8, "v", &err));
     for (size_t row = 0; row < 64; ++row)
@@ -22,7 +22,6 @@ static iso_pyramid shared_value_pyramid(void)
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
     assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -76,10 +75,10 @@ static double alpha_at(const iso_image *image, size_t column)
 
 TEST(a_2d_transfer_function_of_equal_rows_is_the_1d_one)
 {
-    iso_pyramid p = shared_value_pyramid();
-    iso_view view = front_view(&p);
+    OWNED(iso_pyramid) p = shared_value_pyramid();
+    OWNED(iso_view) view = front_view(&p);
     iso_adapt_options opt = iso_adapt_defaults();
-    iso_tf_2d tf_2d;
+    OWNED(iso_tf_2d) tf_2d;
     assert_ok(iso_adapt_tf_2d(&p, 1, ISO_SECOND_VALUE_DEVIATION, &view.tf, &opt, &tf_2d, &err));
     opt.fall_back = false;
     iso_tf_table table, own = view.tf;
@@ -88,54 +87,43 @@ TEST(a_2d_transfer_function_of_equal_rows_is_the_1d_one)
         memcpy(tf_2d.rows[c].entries, table.entries, 4 * table.count * sizeof *table.entries);
     view.tf = table;
     for (int skip = ISO_GL_SKIP_AUTO; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
-        iso_image plain = render(&p, 1, &view, NULL, (iso_gl_skip)skip),
-                  second = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
+        OWNED(iso_image)
+        plain = render(&p, 1, &view, NULL, (iso_gl_skip)skip),
+        second = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
         for (size_t i = 0; i < 4 * 12 * 8; ++i)
             assert_within(second.rgba[i], (double)plain.rgba[i], 1e-6); /* one more mix of equal floats */
         assert_more_than(alpha_at(&plain, 7), 0.5);
-        iso_image_destroy(&plain);
-        iso_image_destroy(&second);
     }
     view.tf = own;
     iso_tf_table_destroy(&table);
-    iso_tf_2d_destroy(&tf_2d);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(a_2d_transfer_function_shows_the_plate_and_not_the_block_that_shares_its_value)
 {
-    iso_pyramid p = shared_value_pyramid();
-    iso_view view = front_view(&p);
+    OWNED(iso_pyramid) p = shared_value_pyramid();
+    OWNED(iso_view) view = front_view(&p);
     iso_adapt_options opt = iso_adapt_defaults();
-    iso_tf_2d tf_2d;
-    iso_image finest = render(&p, 0, &view, NULL, ISO_GL_SKIP_AUTO);
+    OWNED(iso_tf_2d) tf_2d;
+    OWNED(iso_image) finest = render(&p, 0, &view, NULL, ISO_GL_SKIP_AUTO);
     assert_more_than(alpha_at(&finest, 7), 0.99);
     assert_within(alpha_at(&finest, 1), 0, 1e-6);
-    iso_image original = render(&p, 1, &view, NULL, ISO_GL_SKIP_AUTO);
+    OWNED(iso_image) original = render(&p, 1, &view, NULL, ISO_GL_SKIP_AUTO);
     assert_within(alpha_at(&original, 7), 0, 1e-6); /* the plate is lost */
     assert_ok(iso_adapt_tf_2d(&p, 1, ISO_SECOND_VALUE_DEVIATION, &view.tf, &opt, &tf_2d, &err));
     for (int skip = ISO_GL_SKIP_AUTO; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
-        iso_image second = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
+        OWNED(iso_image) second = render(&p, 1, &view, &tf_2d, (iso_gl_skip)skip);
         assert_more_than(alpha_at(&second, 7), 0.95);
         /* pseudo-counts leave 16 of 208 parts of .36 over 8 voxels: .2; the 1-D table would show .97 */
         assert_at_most(alpha_at(&second, 1), 0.25);
-        iso_image_destroy(&second);
     }
     opt.fall_back = false; /* the planted fault: one table for both */
     iso_tf_table table, own = view.tf;
     assert_ok(iso_adapt_level(&p, 1, &view.tf, &opt, &table, NULL, &err));
     view.tf = table;
-    iso_image fault = render(&p, 1, &view, NULL, ISO_GL_SKIP_AUTO);
+    OWNED(iso_image) fault = render(&p, 1, &view, NULL, ISO_GL_SKIP_AUTO);
     assert_more_than(alpha_at(&fault, 1), 0.9);
     view.tf = own;
-    iso_image_destroy(&fault);
-    iso_image_destroy(&finest);
-    iso_image_destroy(&original);
     iso_tf_table_destroy(&table);
-    iso_tf_2d_destroy(&tf_2d);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST_MAIN(open_gl, close_gl)

@@ -237,7 +237,7 @@ TEST(gradients_are_finite_differences)
 {
     for (int orthographic = 0; orthographic < 2; ++orthographic) {
         problem *p = make_problem(orthographic);
-        double *truth = malloc(PARAMETERS * sizeof *truth);
+        FREED double *truth = malloc(PARAMETERS * sizeof *truth);
         for (size_t i = 0; i < PARAMETERS; ++i)
             truth[i] = finite_difference(p, i);
         for (size_t w = 0; w < sizeof widths / sizeof *widths && widths[w] <= iso_cpu_widest(); ++w) {
@@ -249,7 +249,6 @@ TEST(gradients_are_finite_differences)
             assert_at_most(d, GRADIENT);
             free(g);
         }
-        free(truth);
         free(p);
     }
 }
@@ -272,7 +271,7 @@ TEST(pictures_are_the_casters)
                              .min = 0,
                              .max = 1};
     iso_cpu_options opt = iso_cpu_defaults();
-    iso_image image;
+    OWNED(iso_image) image;
     opt.source = ISO_FROM_FLOAT;
     assert_ok(iso_cpu_render(&level, ISO_CODE_FIT, &p->view, &opt, &image, &err));
     assert_ok(iso_adjoint_draw(&f, &p->view, &p->tile, rgba, &err));
@@ -281,7 +280,6 @@ TEST(pictures_are_the_casters)
             assert_at_most(fabs((double)(rgba[4 * ISO_ADJOINT_TILE * y + x] -
                                          image.rgba[4 * ((p->tile.y + y) * image.width + p->tile.x) + x])),
                            5e-6); /* the caster's sums keep their rests, these do not */
-    iso_image_destroy(&image);
     free(p);
 }
 

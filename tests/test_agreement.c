@@ -35,11 +35,11 @@ static iso_volume sample(iso_field_kind kind, const size_t size[3], const double
 TEST(opposite_faces_within_a_voxel_are_an_axis)
 {
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){8, 8, 64}, (double[]){1, 1, 1});
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "zigzag", &err));
     for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i)
         ((float *)v.data)[i] = (float)(i / 64 % 8 < 4 ? i / 64 % 8 : 8 - i / 64 % 8);
-    iso_pyramid p = build(&v, ISO_DIRECTION_AUTO);
+    OWNED(iso_pyramid) p = build(&v, ISO_DIRECTION_AUTO);
     const iso_direction_choice *c = &p.options.choice;
     for (size_t k = 1; k < 3; ++k) { /* sums of small integers: exact but for the unit of the sums */
         assert_within(c->mean_agreement[k], 1, 1e-8);
@@ -49,8 +49,6 @@ TEST(opposite_faces_within_a_voxel_are_an_axis)
     assert_within(c->mean_agreement[3], 1.0 / 49, 1e-8);
     assert_within(c->axis_agreement[3], 1, 1e-8);
     assert_int_equal(c->filter[3], ISO_DIRECTION_TENSOR);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 /* Gradients of one direction agree whatever their sizes are; where there are none, nothing is lost. */
@@ -58,15 +56,13 @@ TEST(one_direction_agrees_and_none_does_not_matter)
 {
     static const iso_field_kind kinds[] = {ISO_FIELD_RAMP, ISO_FIELD_CONSTANT};
     for (size_t i = 0; i < 2; ++i) {
-        iso_volume v = sample(kinds[i], (size_t[]){17, 13, 22}, (double[]){1, 2, 0.5});
-        iso_pyramid p = build(&v, ISO_DIRECTION_AUTO);
+        OWNED(iso_volume) v = sample(kinds[i], (size_t[]){17, 13, 22}, (double[]){1, 2, 0.5});
+        OWNED(iso_pyramid) p = build(&v, ISO_DIRECTION_AUTO);
         for (size_t k = 1; k < p.level_count; ++k) {
             assert_within(p.options.choice.mean_agreement[k], 1, 1e-6); /* float states */
             assert_within(p.options.choice.axis_agreement[k], 1, 1e-6);
             assert_int_equal(p.options.choice.filter[k], ISO_DIRECTION_MOMENTS);
         }
-        iso_pyramid_destroy(&p);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -109,7 +105,7 @@ TEST(a_level_has_every_bit_of_the_filter_that_is_named)
                                            ISO_FIELD_TUBES};
     size_t chosen[ISO_DIRECTION_COUNT] = {0};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
-        iso_volume v = sample(kinds[i], (size_t[]){41, 38, 33}, (double[]){1, 1, 1.5});
+        OWNED(iso_volume) v = sample(kinds[i], (size_t[]){41, 38, 33}, (double[]){1, 1, 1.5});
         iso_pyramid p = build(&v, ISO_DIRECTION_AUTO), all[ISO_DIRECTION_COUNT];
         iso_level_check checks[32];
         for (int f = 0; f < ISO_DIRECTION_COUNT; ++f)
@@ -131,7 +127,6 @@ TEST(a_level_has_every_bit_of_the_filter_that_is_named)
         for (int f = 0; f < ISO_DIRECTION_COUNT; ++f)
             iso_pyramid_destroy(&all[f]);
         iso_pyramid_destroy(&p);
-        iso_volume_destroy(&v);
     }
     assert_more_than((double)chosen[ISO_DIRECTION_MOMENTS], 0);
     assert_more_than((double)chosen[ISO_DIRECTION_TENSOR], 0);
@@ -140,12 +135,12 @@ TEST(a_level_has_every_bit_of_the_filter_that_is_named)
 /* Sums are integers: neither threads nor a power of two in the values changes a bit of the figures. */
 TEST(figures_do_not_depend_on_threads_or_units)
 {
-    iso_volume v = sample(ISO_FIELD_MARSCHNER_LOBB, (size_t[]){33, 47, 29}, (double[]){1, 1, 1.5});
+    OWNED(iso_volume) v = sample(ISO_FIELD_MARSCHNER_LOBB, (size_t[]){33, 47, 29}, (double[]){1, 1, 1.5});
     iso_pyramid_options opt = iso_pyramid_defaults();
     iso_direction_choice first = {0};
     opt.direction_filter = ISO_DIRECTION_AUTO;
     for (int i = 0; i < 3; ++i) {
-        iso_pyramid p;
+        OWNED(iso_pyramid) p;
         opt.threads = 1 + i;
         assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
         for (size_t k = 1; k < p.level_count && i > 0; ++k) {
@@ -153,11 +148,9 @@ TEST(figures_do_not_depend_on_threads_or_units)
             assert_true(p.options.choice.axis_agreement[k] == first.axis_agreement[k]);
         }
         first = p.options.choice;
-        iso_pyramid_destroy(&p);
         for (size_t n = 0; n < iso_geometry_voxel_count(&v.geometry); ++n)
             ((float *)v.data)[n] *= 1024;
     }
-    iso_volume_destroy(&v);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -110,24 +110,21 @@ static void expect_faults_are_seen(const char *name, void (*tamper)(const char *
 
 static void lose_values(const char *exported)
 {
-    char *path = iso_path_join(exported, "scene_scalar.df3");
+    FREED char *path = iso_path_join(exported, "scene_scalar.df3");
     assert_int_equal(unlink(path), 0);
-    free(path);
 }
 
 static void lose_grids(const char *blend)
 {
-    char *dir = iso_path_dir(blend), *path = iso_path_join(dir, "scene.vdb");
+    FREED char *dir = iso_path_dir(blend), *path = iso_path_join(dir, "scene.vdb");
     assert_int_equal(unlink(path), 0);
-    free(path);
-    free(dir);
 }
 
 /* The nodes read the values' grid for the directions and the directions' for the values, as a file would have it whose
  * grids were written under each other's name. Blender itself changes and saves it. */
 static void swap_grids(const char *blend)
 {
-    char *command = NULL;
+    FREED char *command = NULL;
     const int length =
         asprintf(&command,
                  "blender --background '%s' --python-expr \"import bpy\n"
@@ -139,7 +136,6 @@ static void swap_grids(const char *blend)
                  blend);
     assert_more_than(length, 0);
     assert_int_equal(system(command), 0);
-    free(command);
 }
 
 TEST(a_folder_of_povray_is_opened)
@@ -156,11 +152,10 @@ VALUES_TEST(a_blend_is_opened)
 /* In the place of POV-Ray until forget_povray(). */
 static void take_as_povray(const char *script)
 {
-    char *path = iso_path_join(folder, "false-povray");
+    FREED char *path = iso_path_join(folder, "false-povray");
     assert_ok(iso_file_write(path, script, strlen(script), &err));
     assert_int_equal(chmod(path, 0755), 0);
     assert_int_equal(setenv("ISOSHADE_POVRAY", path, 1), 0);
-    free(path);
 }
 
 static void forget_povray(void)
@@ -175,12 +170,11 @@ static iso_validation open_validation(const char *name)
 {
     const iso_report_about about = {.title = "t"};
     const iso_renderer_info *povray;
-    char *dir = iso_path_join(folder, name);
+    FREED char *dir = iso_path_join(folder, name);
     iso_validation v = {.pyramid = &pyramid, .scene = &any_scene, .view = &view, .scene_name = "s", .threads = 1};
     assert_ok(iso_renderer_from_name("povray", &povray, &err));
     v.wanted[iso_renderer_index(povray)] = true;
     assert_ok(iso_report_create(&v.report, dir, &about, &err));
-    free(dir);
     return v;
 }
 

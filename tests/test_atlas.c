@@ -64,7 +64,7 @@ TEST(the_scene_is_a_scene_file)
         if (!s->field)
             continue;
         json_t *json = iso_atlas_scene_to_json(s, "comment");
-        iso_scene scene;
+        OWNED(iso_scene) scene;
         assert_non_null(json);
         assert_ok(iso_json_save(path, json, &err));
         assert_ok(iso_scene_load(path, &scene, &err));
@@ -72,7 +72,6 @@ TEST(the_scene_is_a_scene_file)
         assert_int_equal(scene.tf.point_count, s->band ? 5 : 4);
         assert_within(scene.tf.points[1].value, s->lo, 0);
         assert_true(scene.orthographic && scene.height_mm > 1);
-        iso_scene_destroy(&scene);
         json_decref(json);
     }
     free(path);

@@ -115,7 +115,7 @@ static void load_points(const char *path, const char *name, size_t channels, con
 {
     enum { FIRST = ISO_VDB_FIELDS_FIRST };
     const size_t m[3] = {n[0] + FIRST, n[1] + FIRST, n[2] + FIRST};
-    float *all = malloc(channels * m[0] * m[1] * m[2] * sizeof *all);
+    FREED float *all = malloc(channels * m[0] * m[1] * m[2] * sizeof *all);
     iso_geometry whole;
     assert_ok(iso_vdb_load_grid(path, name, (int)channels, m, all, &whole, &err));
     for (size_t z = 0; z < n[2]; ++z)
@@ -126,7 +126,6 @@ static void load_points(const char *path, const char *name, size_t channels, con
         *geometry = whole;
         geometry->origin_mm = iso_geometry_to_world(&whole, iso_v3(FIRST, FIRST, FIRST));
     }
-    free(all);
 }
 
 /* A slab of extinction .3 / mm: 10 mm along x are 3, whatever the unit, the points, and the axis that is up. */
@@ -142,10 +141,10 @@ TEST_BETWEEN(a_slab_is_as_deep_in_every_unit, setup, teardown)
         s.scalar[i] = 1;
     for (size_t points = 1; points <= 2; ++points)
         for (size_t u = 0; u < 8; ++u) {
-            iso_baked b = bake(&s, points, 2);
+            OWNED(iso_baked) b = bake(&s, points, 2);
             const size_t *n = b.geometry.size, count = n[0] * n[1] * n[2];
             const iso_bake_request r = request_of("density", units[u / 2], ups[u % 2]);
-            float *density = malloc(count * sizeof *density);
+            FREED float *density = malloc(count * sizeof *density);
             iso_geometry back;
             save(&b, &r, f->path);
             load_points(f->path, "density", 1, n, density, &back);
@@ -166,8 +165,6 @@ TEST_BETWEEN(a_slab_is_as_deep_in_every_unit, setup, teardown)
             assert_within(back.origin_mm.x, b.geometry.origin_mm.x, 1e-12);
             assert_within(back.origin_mm.y, b.geometry.origin_mm.y, 1e-12);
             assert_within(back.origin_mm.z, b.geometry.origin_mm.z, 1e-12);
-            free(density);
-            iso_baked_destroy(&b);
         }
 }
 
@@ -207,7 +204,7 @@ TEST(a_point_stays_at_its_place)
     for (int left = 0; left < 2; ++left) {
         if (left) /* x the other way */
             s.level.geometry.index_to_world.m[0][0] *= -1;
-        iso_baked b = bake(&s, 1, 1);
+        OWNED(iso_baked) b = bake(&s, 1, 1);
         assert_true(iso_mat3_det(b.geometry.index_to_world) > 0);
         assert_int_equal(b.reversed_x, left);
         assert_int_equal(b.visible_count, 1);
@@ -220,7 +217,6 @@ TEST(a_point_stays_at_its_place)
         const iso_vec3 back = iso_baked_in_level(&b, p);
         assert_within(back.x, 3.5, 1e-12);
         assert_within(back.z, 2.5, 1e-12);
-        iso_baked_destroy(&b);
     }
 }
 
@@ -232,7 +228,7 @@ TEST(transparent_neighbors_do_not_bleed)
     make_scene(&s);
     set_tf(&s, 0.8F, 0.1F, 0.2F, 2);
     s.scalar[at(2, 2, 1)] = 1;
-    iso_baked b = bake(&s, 1, 1);
+    OWNED(iso_baked) b = bake(&s, 1, 1);
     assert_int_equal(b.color_count, 27);
     for (int i = 0; i < 2; ++i) {
         double color[3];
@@ -254,7 +250,6 @@ TEST(transparent_neighbors_do_not_bleed)
     double color[3];
     const double extinction = iso_baked_sample(&b, ISO_BAKED_COLORS, iso_v3(3.9, 3.6, 2.4), color);
     assert_at_most(color[0] / extinction, 0.6);
-    iso_baked_destroy(&b);
 }
 
 /* Ramps of values: nothing is negative, emission is extinction times color, and points that are not active are 0. */
@@ -267,7 +262,7 @@ TEST_BETWEEN(grids_agree_and_are_never_negative, setup, teardown)
     s.entries[0] = 0.1F;
     for (size_t i = 0; i < VOXELS; ++i)
         s.scalar[i] = (float)(sin(0.7 * (double)i));
-    iso_baked b = bake(&s, 2, 2);
+    OWNED(iso_baked) b = bake(&s, 2, 2);
     const iso_bake_request r = request_of("density,Cd=color,emission,temperature", "cm", "z");
     const size_t *n = b.geometry.size, count = n[0] * n[1] * n[2];
     float *density = malloc(8 * count * sizeof *density), *color = density + count, *emission = color + 3 * count,
@@ -290,7 +285,6 @@ TEST_BETWEEN(grids_agree_and_are_never_negative, setup, teardown)
     for (size_t x = 0; x < n[0]; ++x)
         assert_true(density[x] == 0); /* the rim */
     free(density);
-    iso_baked_destroy(&b);
 }
 
 /* A clip plane through the middle of a voxel leaves half of what it had; a coarse level's last voxel that overhangs the
@@ -305,14 +299,13 @@ TEST(cut_cells_keep_their_part)
     s.view.clip_count = 1;
     s.view.clips[0] = (iso_clip_plane){{1, 0, 0}, 10 + 2 * 2.5}; /* keeps what is right of index 2.5 */
     s.level.geometry.box_index[1] = 3.5;
-    iso_baked b = bake(&s, 1, 1);
+    OWNED(iso_baked) b = bake(&s, 1, 1);
     const double wanted[NX] = {0, 0, 0.5, 1, 1};
     for (size_t x = 0; x < NX; ++x) {
         const float *inside = iso_baked_point(&b, x + 1, 2, 2), *last = iso_baked_point(&b, x + 1, NY, 2);
         assert_within(inside ? (double)inside[ISO_BAKE_EXTINCTION] : 0, wanted[x], 1e-6);
         assert_within(last ? (double)last[ISO_BAKE_EXTINCTION] : 0, wanted[x] / 2, 1e-6);
     }
-    iso_baked_destroy(&b);
 }
 
 /* The picture of a baked slab, 1 - exp(-sigma d) in its middle, and an error that is measured as 0 where nothing is
@@ -320,13 +313,13 @@ TEST(cut_cells_keep_their_part)
 TEST(the_picture_of_a_slab_is_exact)
 {
     scene s;
-    iso_image image = {0};
+    OWNED(iso_image) image = {0};
     iso_bake_error e;
     make_scene(&s);
     set_tf(&s, 0.5F, 1, 0.25F, 0.2F);
     for (size_t i = 0; i < VOXELS; ++i)
         s.scalar[i] = 1;
-    iso_baked b = bake(&s, 1, 2);
+    OWNED(iso_baked) b = bake(&s, 1, 2);
     s.view.camera.half_height = 0.1; /* inside, away from the faces that fall off */
     assert_ok(iso_baked_render(&b, ISO_BAKED_EMISSION, &s.view, 0, &image, NULL, &err));
     const float *middle = image.rgba + 4 * (4 * image.width + 8);
@@ -336,8 +329,6 @@ TEST(the_picture_of_a_slab_is_exact)
     assert_ok(iso_bake_measure(&b, true, 8, &e, NULL, &err));
     assert_at_most(e.unlit.max_abs, 1e-4); /* steps of an eighth that end within the rim's slope */
     assert_at_most(e.emission.max_abs, 1e-4);
-    iso_image_destroy(&image);
-    iso_baked_destroy(&b);
 }
 
 /* Finer lattices come nearer to the exact picture; with one that is wrong, a grid twice as dense, the error shows. */
@@ -352,7 +343,7 @@ TEST(the_error_is_that_of_the_grid)
     s.entries[4] = 0;
     for (size_t points = 1; points <= 4; points *= 2) {
         iso_bake_error e;
-        iso_baked b = bake(&s, points, 2);
+        OWNED(iso_baked) b = bake(&s, points, 2);
         assert_ok(iso_bake_measure(&b, true, 0, &e, NULL, &err));
         assert_int_equal(e.width, 16);
         assert_more_than(e.unlit.rmse, 0);
@@ -365,7 +356,6 @@ TEST(the_error_is_that_of_the_grid)
             assert_ok(iso_bake_measure(&b, true, 0, &e, NULL, &err));
             assert_more_than(e.unlit.rmse, 3 * before);
         }
-        iso_baked_destroy(&b);
     }
 }
 
@@ -376,7 +366,7 @@ TEST(threads_change_nothing)
     set_tf(&s, 0.5F, 1, 0.25F, 2);
     for (size_t i = 0; i < VOXELS; ++i)
         s.scalar[i] = (float)sin((double)i);
-    iso_baked one = bake(&s, 4, 2), four;
+    OWNED(iso_baked) one = bake(&s, 4, 2), four;
     const iso_bake_options o = {.points = 4, .samples = 2, .threads = 4};
     assert_ok(iso_bake(&s.level, ISO_CODE_SNORM, &s.view, &o, &four, NULL, &err));
     for (size_t i = 0; i < one.blocks[0] * one.blocks[1] * one.blocks[2]; ++i) {
@@ -384,14 +374,12 @@ TEST(threads_change_nothing)
         if (one.block[i])
             assert_memory_equal(one.block[i], four.block[i], 512 * ISO_BAKE_CHANNELS * sizeof(float));
     }
-    iso_baked_destroy(&one);
-    iso_baked_destroy(&four);
 }
 
 /* Every point has the extinction that its place in the level has, 0 or not. */
 static void assert_all_points(const scene *s, const iso_baked *b)
 {
-    iso_sampler sampler;
+    OWNED(iso_sampler) sampler;
     const size_t *n = b->geometry.size;
     assert_ok(iso_sampler_create(&sampler, &s->level, ISO_CODE_SNORM, ISO_FROM_ON_THE_FLY, &err));
     for (size_t z = 1; z + 1 < n[2]; ++z)
@@ -404,7 +392,6 @@ static void assert_all_points(const scene *s, const iso_baked *b)
                 const float extinction = point ? point[ISO_BAKE_EXTINCTION] : 0;
                 assert_float_equal(extinction, (float)rgbs[3], 0);
             }
-    iso_sampler_destroy(&sampler);
 }
 
 TEST(blocks_that_one_voxel_reaches_are_there)
@@ -421,10 +408,9 @@ TEST(blocks_that_one_voxel_reaches_are_there)
                 s.view.tf = (iso_tf_table){.count = 64, .hi = 1, .entries = entries};
                 s.scalar[at(places[i][0], places[i][1], places[i][2])] = 1;
                 s.level.geometry.index_to_world.m[0][0] *= mirrored ? -1 : 1;
-                iso_baked b = bake(&s, points, 1);
+                OWNED(iso_baked) b = bake(&s, points, 1);
                 assert_int_equal(b.reversed_x, mirrored);
                 assert_all_points(&s, &b);
-                iso_baked_destroy(&b);
             }
 }
 
@@ -468,11 +454,10 @@ TEST_BETWEEN(a_unit_that_does_not_suit_is_refused, setup, teardown)
     set_tf(&s, 1, 1, 1, 1);
     s.scalar[0] = 1;
     s.level.geometry.index_to_world = iso_mat3_scale(s.level.geometry.index_to_world, 1e-6);
-    iso_baked b = bake(&s, 1, 1);
+    OWNED(iso_baked) b = bake(&s, 1, 1);
     const iso_bake_request r = request_of("density", "m", NULL), fine = request_of("density", "nm", NULL);
     assert_status(iso_bake_save(&b, &r, 0, "", f->path, NULL, &err), ISO_E_RANGE);
     assert_ok(iso_bake_save(&b, &fine, 0, "", f->path, NULL, &err));
-    iso_baked_destroy(&b);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -87,13 +87,11 @@ static void make_view(const char *dir, const iso_pyramid *p, const scene_case *c
                      " \"background\": [0.2, 0.1, 0.3], \"step_voxels\": 0.25, %s\"tf\": %s}",
                      c->orthographic ? "orthographic" : "perspective",
                      c->clipped ? "\"clip_planes\": [{\"normal\": [0.3, 1, 0.2], \"at\": 0.4}], " : "", c->tf);
-    char *path = iso_path_join(dir, "case.scene.json");
-    iso_scene scene = {0};
+    FREED char *path = iso_path_join(dir, "case.scene.json");
+    OWNED(iso_scene) scene = {0};
     assert_ok(iso_file_write(path, text, (size_t)n, &err));
     assert_ok(iso_scene_load(path, &scene, &err));
     assert_ok(iso_scene_resolve(&scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, view, &err));
-    iso_scene_destroy(&scene);
-    free(path);
 }
 
 static subject open_subject(const scene_case *c)
@@ -101,12 +99,11 @@ static subject open_subject(const scene_case *c)
     subject s = {.dir = iso_make_temp_dir()};
     iso_field field = {.kind = c->field, .geometry = skew_geometry(c->shear, c->scale), .seed = 5};
     field.geometry.origin_mm = iso_add(field.geometry.origin_mm, c->away_mm);
-    iso_volume v = {0};
+    OWNED(iso_volume) v = {0};
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
     assert_ok(iso_field_sample(&field, c->type, &v, &err));
     assert_ok(iso_pyramid_build(&v, "a test", &opt, &s.pyramid, NULL, &err));
-    iso_volume_destroy(&v);
     make_view(s.dir, &s.pyramid, c, &s.view);
     return s;
 }
@@ -161,14 +158,12 @@ static double rmse_of_color(const iso_image *a, const iso_image *b)
 static void check_case(const scene_case *c, double limit)
 {
     subject s = open_subject(c);
-    iso_image want = reference(&s, c->level, &s.view), have = cycles(&s, c->level, 1.0 / 16);
+    OWNED(iso_image) want = reference(&s, c->level, &s.view), have = cycles(&s, c->level, 1.0 / 16);
     float seen = 0;
     for (size_t i = 3; i < 4 * want.width * want.height; i += 4)
         seen = fmaxf(seen, want.rgba[i]);
     assert_more_than((double)seen, 0.3); /* the volume is in the picture */
     assert_at_most(rmse(&have, &want), limit);
-    iso_image_destroy(&want);
-    iso_image_destroy(&have);
     close_subject(&s);
 }
 
@@ -317,15 +312,13 @@ VALUES_TEST(each_seed_has_a_noise_of_its_own)
 /* Runs Blender on a .blend with a script of its user. */
 static void run_script(const char *blend, const char *script_text)
 {
-    char *blender = NULL, *script = NULL;
+    FREED char *blender = NULL, *script = NULL;
     assert_true(asprintf(&script, "%s.py", blend) > 0);
     assert_ok(iso_file_write(script, script_text, strlen(script_text), &err));
     assert_ok(iso_process_find("blender", "blender", &blender, &err));
     const char *argv[] = {blender, "-b", "--factory-startup", "--python-exit-code", "9", blend, "-P", script, NULL};
     const iso_process_options options = {.sandbox = {.kind = ISO_SANDBOX_NONE}}; /* as the user would start it */
     assert_ok(iso_process_run(argv, &options, &err));
-    free(blender);
-    free(script);
 }
 
 /* The user's view of it: the folder is moved, the level switched, the volume turned. */
@@ -363,9 +356,8 @@ static const char user_script[] =
 static iso_image load(const char *dir, const char *name)
 {
     iso_image image = {0};
-    char *path = iso_path_join(dir, name);
+    FREED char *path = iso_path_join(dir, name);
     assert_ok(iso_image_load_exr(path, &image, &err));
-    free(path);
     return image;
 }
 
@@ -386,8 +378,8 @@ TEST(an_exported_scene_can_be_moved_switched_and_turned)
 {
     need_cycles();
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
-    char *made = iso_path_join(s.dir, "made"), *moved = iso_path_join(s.dir, "moved");
-    char *first = iso_path_join(made, "two.blend"), *blend = iso_path_join(moved, "two.blend");
+    FREED char *made = iso_path_join(s.dir, "made"), *moved = iso_path_join(s.dir, "moved");
+    FREED char *first = iso_path_join(made, "two.blend"), *blend = iso_path_join(moved, "two.blend");
     iso_tf_table tables[2];
     make_tables(&s.view.tf, tables);
     iso_view views[2] = {s.view, s.view};
@@ -422,10 +414,6 @@ TEST(an_exported_scene_can_be_moved_switched_and_turned)
     iso_image_destroy(&want);
     free(tables[0].entries);
     free(tables[1].entries);
-    free(made);
-    free(moved);
-    free(first);
-    free(blend);
     close_subject(&s);
 }
 
@@ -435,7 +423,7 @@ VALUES_TEST(a_volume_far_from_the_origin_agrees_and_so_does_its_file)
     need_cycles();
     check_case(&far_away, SMOOTH_LIMIT);
     subject s = open_subject(&far_away);
-    char *blend = iso_path_join(s.dir, "far.blend");
+    FREED char *blend = iso_path_join(s.dir, "far.blend");
     iso_blender_options opt = iso_blender_defaults();
     assert_ok(iso_blender_export(&s.pyramid, 0, &s.view, blend, &opt, NULL, &err));
     const iso_vec3 center = iso_geometry_box_center_mm(&s.pyramid.levels[0].geometry);
@@ -454,22 +442,17 @@ VALUES_TEST(a_volume_far_from_the_origin_agrees_and_so_does_its_file)
              "bpy.ops.render.render(write_still=True)\n",
              center.x, center.y, center.z);
     run_script(blend, script);
-    iso_image want = reference(&s, 0, &s.view), have = load(s.dir, "far.exr");
+    OWNED(iso_image) want = reference(&s, 0, &s.view), have = load(s.dir, "far.exr");
     assert_at_most(rmse_of_color(&have, &want), SMOOTH_LIMIT);
-    iso_image_destroy(&have);
-    iso_image_destroy(&want);
-    free(blend);
     close_subject(&s);
 }
 
 static void check_nothing_left(const char *dir, const char *stem)
 {
-    char *blend = NULL, *vdb = NULL;
+    FREED char *blend = NULL, *vdb = NULL;
     assert_true(asprintf(&blend, "%s/%s.blend", dir, stem) > 0 && asprintf(&vdb, "%s/%s.vdb", dir, stem) > 0);
     assert_false(iso_path_exists(blend));
     assert_false(iso_path_exists(vdb));
-    free(blend);
-    free(vdb);
 }
 
 TEST(failures_are_told_and_leave_no_file)
@@ -478,8 +461,8 @@ TEST(failures_are_told_and_leave_no_file)
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
     iso_blender_options opt = iso_blender_defaults();
     iso_image image;
-    char *blend = iso_path_join(s.dir, "v.blend"), *odd = iso_path_join(s.dir, "v.vdb");
-    char *lost = iso_path_join(s.dir, "missing/v.blend");
+    FREED char *blend = iso_path_join(s.dir, "v.blend"), *odd = iso_path_join(s.dir, "v.vdb");
+    FREED char *lost = iso_path_join(s.dir, "missing/v.blend");
     assert_status(iso_blender_export(&s.pyramid, 0, &s.view, odd, &opt, NULL, &err), ISO_E_USAGE);
     assert_status(iso_blender_export(&s.pyramid, 0, &s.view, lost, &opt, NULL, &err), ISO_E_IO);
     assert_status(iso_blender_export(&s.pyramid, 2, &s.view, blend, &opt, NULL, &err), ISO_E_RANGE);
@@ -494,9 +477,6 @@ TEST(failures_are_told_and_leave_no_file)
     assert_status(iso_blender_export(&s.pyramid, 0, &s.view, blend, &opt, NULL, &err), ISO_E_PROGRAM);
     unsetenv("ISOSHADE_BLENDER");
     check_nothing_left(s.dir, "v");
-    free(blend);
-    free(odd);
-    free(lost);
     close_subject(&s);
 }
 
@@ -505,7 +485,7 @@ TEST(a_blender_that_puts_voxels_elsewhere_is_refused)
 {
     need_cycles();
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
-    char *wrapper = iso_path_join(s.dir, "blender"), *blender = NULL, *text = NULL;
+    FREED char *wrapper = iso_path_join(s.dir, "blender"), *blender = NULL, *text = NULL;
     assert_ok(iso_process_find("blender", "blender", &blender, &err));
     int n = asprintf(
         &text,
@@ -521,9 +501,6 @@ TEST(a_blender_that_puts_voxels_elsewhere_is_refused)
     iso_blender_options opt = iso_blender_defaults();
     assert_status(iso_cycles_render(&s.pyramid, 0, &s.view, &opt, &image, NULL, &err), ISO_E_UNTRUSTED);
     unsetenv("ISOSHADE_BLENDER");
-    free(text);
-    free(wrapper);
-    free(blender);
     close_subject(&s);
 }
 

@@ -70,7 +70,7 @@ static double largest_difference(const iso_image *a, const iso_image *b)
 /* A Blender in front of the real one that finds that its second line names no file. */
 static void set_wrapper(void)
 {
-    char *wrapper = iso_path_join(folder, "blender"), *blender = NULL, *text = NULL;
+    FREED char *wrapper = iso_path_join(folder, "blender"), *blender = NULL, *text = NULL;
     assert_ok(iso_process_find("blender", "blender", &blender, &err));
     const int n = asprintf(&text,
                            "#!/bin/bash\n"
@@ -80,9 +80,6 @@ static void set_wrapper(void)
     assert_ok(iso_file_write(wrapper, text, (size_t)n, &err));
     assert_int_equal(chmod(wrapper, 0755), 0);
     setenv("ISOSHADE_BLENDER", wrapper, 1);
-    free(text);
-    free(blender);
-    free(wrapper);
 }
 
 /* Scene by scene: the first start draws both and fails at the third; the next one draws that. */

@@ -11,7 +11,7 @@
 static void check_every_configuration(size_t brick_voxels, size_t level_count, int points)
 {
     const size_t side = 2 * brick_voxels + 1, size[3] = {side, side, side};
-    iso_node_levels n = noise_levels(size, brick_voxels, level_count, false);
+    OWNED(iso_node_levels) n = noise_levels(size, brick_voxels, level_count, false);
     size_t configurations = (size_t)lrint(pow((double)level_count, 8));
     for (size_t k = 0; k < configurations; ++k) {
         uint8_t levels[8];
@@ -29,7 +29,6 @@ static void check_every_configuration(size_t brick_voxels, size_t level_count, i
         if (mixed && level_count == 2)
             assert_more_than(worst_jump(&f, 2 * points), 0.02);
     }
-    iso_node_levels_destroy(&n);
 }
 
 TEST(every_configuration_of_two_levels_is_continuous_and_bricks_on_their_own_are_not)
@@ -48,7 +47,7 @@ TEST(random_layouts_of_four_levels_are_continuous_in_scalar_and_direction)
 {
     random_state = (iso_random){3};
     static const size_t size[3] = {25, 33, 18}; /* the last axis ends inside a brick */
-    iso_node_levels n = noise_levels(size, 8, 4, true);
+    OWNED(iso_node_levels) n = noise_levels(size, 8, 4, true);
     int rejected = 0;
     for (int layout = 0; layout < 1000; ++layout) {
         uint8_t levels[3 * 4 * 3];
@@ -62,7 +61,6 @@ TEST(random_layouts_of_four_levels_are_continuous_in_scalar_and_direction)
         rejected += worst_jump(&f, 12) > 0.02;
     }
     assert_int_equal(rejected, 1000);
-    iso_node_levels_destroy(&n);
 }
 
 /* Power of the test itself: at one known point the baked face has no jump, the brick's own nodes have one. */
@@ -70,14 +68,13 @@ TEST(a_face_of_own_nodes_is_found_out)
 {
     random_state = (iso_random){4};
     static const size_t size[3] = {17, 17, 17};
-    iso_node_levels n = noise_levels(size, 8, 2, false);
+    OWNED(iso_node_levels) n = noise_levels(size, 8, 2, false);
     uint8_t levels[8] = {0, 1, 1, 1, 1, 1, 1, 1};
     iso_brick_field f = {.nodes = &n, .levels = levels, .faces = ISO_FACES_BAKED};
     const double q[3] = {8, 3, 3};
     assert_at_most(jump_at(&f, q), CONTINUOUS);
     f.faces = ISO_FACES_OWN;
     assert_more_than(jump_at(&f, q), 1e-3);
-    iso_node_levels_destroy(&n);
 }
 
 /* Baking copies rows and finds bricks for ranges of nodes; node by node gives the same. */
@@ -109,7 +106,7 @@ TEST(bricks_are_baked_and_told_by_their_nodes)
 {
     random_state = (iso_random){6};
     static const size_t size[3] = {25, 33, 18};
-    iso_node_levels n = noise_levels(size, 8, 4, true);
+    OWNED(iso_node_levels) n = noise_levels(size, 8, 4, true);
     size_t found = 0;
     for (int layout = 0; layout < 200; ++layout) {
         float entries[4 * 32] = {0};
@@ -124,14 +121,13 @@ TEST(bricks_are_baked_and_told_by_their_nodes)
         found += bricks_unlike_their_nodes(&own, &f, &tf) > 0; /* the fault: faces of its own */
     }
     assert_int_equal(found, 200);
-    iso_node_levels_destroy(&n);
 }
 
 TEST(interior_of_a_fine_brick_is_the_volume_itself)
 {
     random_state = (iso_random){5};
     static const size_t size[3] = {17, 14, 17};
-    iso_node_levels n = noise_levels(size, 8, 3, false);
+    OWNED(iso_node_levels) n = noise_levels(size, 8, 3, false);
     uint8_t levels[8] = {2, 1, 2, 1, 1, 2, 2, 0};
     iso_brick_field f = {.nodes = &n, .levels = levels, .faces = ISO_FACES_BAKED};
     for (size_t z = 9; z < 16; ++z)
@@ -140,7 +136,6 @@ TEST(interior_of_a_fine_brick_is_the_volume_itself)
             iso_brick_sample(&f, iso_v3((double)x + 0.5, 11.5, (double)z + 0.5), value);
             assert_within(value[0], (double)n.nodes[0][ISO_NODE_CHANNELS * (x + 17 * (11 + 17 * z))], 0);
         }
-    iso_node_levels_destroy(&n);
 }
 
 /* [1 2 1] keeps what is linear, and so do all interpolations: any layout shows the ramp. */
@@ -149,7 +144,7 @@ TEST(any_layout_reproduces_a_ramp_away_from_the_continued_edge)
     random_state = (iso_random){6};
     static const size_t size[3] = {33, 33, 33};
     iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .min = 0, .max = 224};
-    iso_node_levels n;
+    OWNED(iso_node_levels) n;
     level.scalar = malloc(33 * 33 * 33 * sizeof *level.scalar);
     assert_non_null(level.scalar);
     for (size_t i = 0; i < 33 * 33 * 33; ++i)
@@ -169,7 +164,6 @@ TEST(any_layout_reproduces_a_ramp_away_from_the_continued_edge)
         assert_within(value[1], 1 / sqrt(21), 1e-6);
         assert_within(value[3], 4 / sqrt(21), 1e-6);
     }
-    iso_node_levels_destroy(&n);
     free(level.scalar);
 }
 
@@ -206,7 +200,7 @@ TEST(packed_bricks_do_not_overlap_and_give_the_field)
 {
     random_state = (iso_random){7};
     static const size_t size[3] = {33, 41, 20};
-    iso_node_levels n = noise_levels(size, 8, 4, false);
+    OWNED(iso_node_levels) n = noise_levels(size, 8, 4, false);
     size_t count = iso_brick_count(&n);
     uint8_t levels[4 * 5 * 3];
     for (size_t i = 0; i < count; ++i)
@@ -217,7 +211,7 @@ TEST(packed_bricks_do_not_overlap_and_give_the_field)
     assert_int_equal(pack.slot_side, 16);
     assert_int_equal(pack.brick_count, count);
     size_t texels = pack.size[0] * pack.size[1] * pack.size[2];
-    float *cache = malloc(texels * sizeof *cache);
+    FREED float *cache = malloc(texels * sizeof *cache);
     assert_non_null(cache);
     for (size_t i = 0; i < texels; ++i)
         cache[i] = NAN;
@@ -241,15 +235,13 @@ TEST(packed_bricks_do_not_overlap_and_give_the_field)
         iso_brick_sample(&f, iso_v3(q[0] + 0.5, q[1] + 0.5, q[2] + 0.5), value);
         assert_within(fetch(&n, &pack, cache, q), value[0], 1e-7); /* baked values are rounded to float */
     }
-    free(cache);
     iso_brick_pack_destroy(&pack);
-    iso_node_levels_destroy(&n);
 }
 
 TEST(eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none)
 {
     static const size_t size[3] = {129, 129, 33};
-    iso_node_levels n = noise_levels(size, 32, 2, false);
+    OWNED(iso_node_levels) n = noise_levels(size, 32, 2, false);
     uint8_t levels[16], visible[16];
     memset(levels, 1, sizeof levels);
     memset(visible, 1, sizeof visible);
@@ -274,7 +266,6 @@ TEST(eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none)
     size_t slot_side = pack.slot_side;
     iso_brick_pack_destroy(&pack);
     assert_status(iso_brick_pack_create(&pack, &n, levels, NULL, slot_side - 1, 0, &err), ISO_E_RANGE);
-    iso_node_levels_destroy(&n);
 }
 
 /* A field of waves six voxels long and more, as a pyramid. */
@@ -284,7 +275,7 @@ static iso_pyramid make_waves(void)
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_pyramid p;
     iso_volume v = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .type = ISO_F32};
-    float *values = malloc(size[0] * size[1] * size[2] * sizeof *values);
+    FREED float *values = malloc(size[0] * size[1] * size[2] * sizeof *values);
     assert_non_null(values);
     for (size_t i = 0; i < size[0] * size[1] * size[2]; ++i)
         values[i] = (float)(sin((double)(i % 37)) + cos(0.7 * (double)(i / 37 % 41)) +
@@ -292,14 +283,13 @@ static iso_pyramid make_waves(void)
     v.data = values;
     build.level_count = 3;
     assert_ok(iso_pyramid_build(&v, "waves", &build, &p, NULL, &err));
-    free(values);
     return p;
 }
 
 /* How far a whole level of nodes is from level 0 at its voxels, RMS. */
 static double distance_to_level0(const iso_node_levels *n, const iso_level *level0, uint8_t level)
 {
-    uint8_t *levels = malloc(iso_brick_count(n));
+    FREED uint8_t *levels = malloc(iso_brick_count(n));
     assert_non_null(levels);
     memset(levels, level, iso_brick_count(n));
     const iso_brick_field f = {n, levels, ISO_FACES_BAKED};
@@ -314,13 +304,12 @@ static double distance_to_level0(const iso_node_levels *n, const iso_level *leve
                 const double e = value[0] - (double)level0->scalar[x + size[0] * (y + size[1] * z)];
                 sum += e * e;
             }
-    free(levels);
     return sqrt(sum / (double)count);
 }
 
 TEST(sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_range)
 {
-    iso_pyramid p = make_waves();
+    OWNED(iso_pyramid) p = make_waves();
     iso_node_levels smooth, sharp, cells;
     assert_ok(
         iso_node_levels_create_by(&smooth, &p.levels[0], &(iso_node_options){8, 3, ISO_NODES_SMOOTH, false, 0}, &err));
@@ -345,7 +334,6 @@ TEST(sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_range)
     iso_node_levels_destroy(&sharp);
     iso_node_levels_destroy(&cells);
     assert_status(iso_node_levels_create_from_cells(&cells, &p, 8, 4, 0, &err), ISO_E_RANGE);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(nodes_from_cells_are_continuous_and_linear_fields_stay_linear)
@@ -353,10 +341,10 @@ TEST(nodes_from_cells_are_continuous_and_linear_fields_stay_linear)
     const size_t size[3] = {33, 40, 37};
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_volume v = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .type = ISO_F32};
-    float *values = malloc(size[0] * size[1] * size[2] * sizeof *values);
+    FREED float *values = malloc(size[0] * size[1] * size[2] * sizeof *values);
     assert_non_null(values);
-    iso_pyramid p;
-    iso_node_levels n;
+    OWNED(iso_pyramid) p;
+    OWNED(iso_node_levels) n;
     for (size_t i = 0; i < size[0] * size[1] * size[2]; ++i)
         values[i] = (float)(i % 33) - 2 * (float)(i / 33 % 40) + 0.5f * (float)(i / 33 / 40);
     v.data = values;
@@ -382,9 +370,6 @@ TEST(nodes_from_cells_are_continuous_and_linear_fields_stay_linear)
     assert_at_most(jump, 40 * CONTINUOUS); /* values up to 80 */
     assert_at_most(worst, 1e-4);           /* floats of up to 80 */
     assert_more_than(own_jump, 0.1);       /* at the edge, where a ramp is continued */
-    iso_node_levels_destroy(&n);
-    iso_pyramid_destroy(&p);
-    free(values);
 }
 
 /* ---- bricks by themselves -------------------------------------------------------- */
@@ -415,7 +400,7 @@ static narrow_case make_narrow(void)
 /* Bricks that differ from those of all nodes, in any bit. */
 static size_t bricks_made_otherwise(narrow_case *c, const iso_node_levels *all, const iso_node_options *opt)
 {
-    iso_node_levels made;
+    OWNED(iso_node_levels) made;
     size_t different = 0;
     c->level.samples = &c->volume;
     assert_ok(iso_node_levels_create_for(&made, &c->level, c->levels, NULL, opt, &err));
@@ -431,7 +416,6 @@ static size_t bricks_made_otherwise(narrow_case *c, const iso_node_levels *all, 
         different += memcmp(baked[0], baked[1], bytes) != 0;
         iso_brick_forget(&made, i);
     }
-    iso_node_levels_destroy(&made);
     return different;
 }
 
@@ -444,8 +428,8 @@ TEST(bricks_made_by_themselves_are_those_of_all_nodes_bit_by_bit)
         narrow_case c = make_narrow();
         iso_node_options opt = {8, 4, round % 2 ? ISO_NODES_SMOOTH : ISO_NODES_SHARP, round % 4 < 2, 1 + round % 2};
         const size_t count = iso_geometry_voxel_count(&c.level.geometry);
-        float *scalar = malloc(count * sizeof *scalar);
-        iso_node_levels all;
+        FREED float *scalar = malloc(count * sizeof *scalar);
+        OWNED(iso_node_levels) all;
         assert_non_null(scalar);
         iso_volume_floats(&c.volume, scalar);
         c.level.scalar = scalar;
@@ -461,8 +445,6 @@ TEST(bricks_made_by_themselves_are_those_of_all_nodes_bit_by_bit)
         for (size_t i = 16 - far; i < count; i += c.level.geometry.size[0])
             ((uint8_t *)c.volume.data)[i] ^= 0x80;
         assert_int_equal(bricks_made_otherwise(&c, &all, &opt), (16 - far == 8 ? 24 : 12) + 1);
-        free(scalar);
-        iso_node_levels_destroy(&all);
         iso_volume_destroy(&c.volume);
     }
 }
@@ -473,12 +455,11 @@ TEST(bad_bricks_are_refused)
     iso_level level = {.geometry = iso_geometry_axis_aligned((const size_t[3]){1, 1, 1}, (const double[3]){1, 1, 1}),
                        .scalar = &scalar,
                        .max = 1};
-    iso_node_levels n;
+    OWNED(iso_node_levels) n;
     assert_status(iso_node_levels_create(&n, &level, 24, 1, false, 1, &err), ISO_E_RANGE);
     assert_status(iso_node_levels_create(&n, &level, 128, 1, false, 1, &err), ISO_E_RANGE);
     assert_status(iso_node_levels_create(&n, &level, 4, 4, false, 1, &err), ISO_E_RANGE);
     assert_status(iso_node_levels_create(&n, &level, 4, 3, true, 1, &err), ISO_OK); /* one voxel is a volume */
-    iso_node_levels_destroy(&n);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -20,12 +20,12 @@ TEST(random_layouts_agree_with_the_reference_in_every_loop)
         make_brick_scene(&s, kinds[k]);
         for (int faces = ISO_FACES_BAKED; faces <= ISO_FACES_OWN; ++faces) {
             iso_brick_field f = {&s.nodes, s.levels, (iso_brick_faces)faces};
-            iso_image b = brick_reference(&f, &s.view);
+            OWNED(iso_image) b = brick_reference(&f, &s.view);
             for (int skip = ISO_GL_SKIP_NEVER; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
                 iso_gl_brick_options opt = iso_gl_brick_defaults();
                 opt.cache_bits = 32;
                 opt.skip = (iso_gl_skip)skip;
-                iso_image a;
+                OWNED(iso_image) a;
                 double rmse;
                 assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
                 double max = max_difference(&a, &b, &rmse);
@@ -36,9 +36,7 @@ TEST(random_layouts_agree_with_the_reference_in_every_loop)
                 if (faces == ISO_FACES_BAKED)
                     assert_at_most(max, MAX_ABS);
                 assert_at_most(rmse, faces == ISO_FACES_BAKED ? RMSE : 1e-3);
-                iso_image_destroy(&a);
             }
-            iso_image_destroy(&b);
         }
         destroy_brick_scene(&s);
     }
@@ -50,15 +48,13 @@ TEST(cache_of_16_bits_is_close)
     brick_scene s;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
-    iso_image a, b = brick_reference(&f, &s.view);
+    OWNED(iso_image) a, b = brick_reference(&f, &s.view);
     iso_gl_brick_options opt = iso_gl_brick_defaults();
     double rmse;
     iso_node_levels_round(&s.nodes);
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
     assert_at_most(max_difference(&a, &b, &rmse), 2e-3);
     assert_at_most(rmse, 1e-4);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
     destroy_brick_scene(&s);
 }
 
@@ -71,7 +67,7 @@ TEST(bricks_all_at_the_finest_level_are_the_volume)
     iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     iso_gl_brick_options opt = iso_gl_brick_defaults();
     iso_gl_options whole = iso_gl_defaults();
-    iso_image a, b;
+    OWNED(iso_image) a, b;
     double rmse;
     opt.cache_bits = 32;
     opt.shaded = false;
@@ -79,8 +75,6 @@ TEST(bricks_all_at_the_finest_level_are_the_volume)
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
     assert_ok(iso_gl_render(gl, &s.level, ISO_CODE_SNORM, &s.view, &whole, &b, &err));
     assert_at_most(max_difference(&a, &b, &rmse), MAX_ABS);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
     destroy_brick_scene(&s);
 }
 
@@ -92,7 +86,7 @@ TEST(a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it)
     iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     iso_gl_brick_options opt = iso_gl_brick_defaults();
     iso_gl_brick_stats stats;
-    iso_image image;
+    OWNED(iso_image) image;
     opt.max_slots = 30;
     opt.keep_hidden = true;
     assert_status(iso_gl_render_bricks(gl, &f, &s.view, &opt, &image, &stats, &err), ISO_E_RANGE);
@@ -103,7 +97,6 @@ TEST(a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it)
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &image, &stats, &err));
     assert_true(stats.slot_count <= 30);
     assert_int_equal(stats.shown_count, sizeof s.levels);
-    iso_image_destroy(&image);
     destroy_brick_scene(&s);
 }
 

@@ -16,14 +16,13 @@ typedef struct grid {
 static grid make(const iso_chart_words *words, bool is_volume)
 {
     grid g = {.count = 0};
-    iso_volume v = noise(12, 10, 9);
+    OWNED(iso_volume) v = noise(12, 10, 9);
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
     opt.keep_float = is_volume;
     assert_ok(iso_chart_grid_parse(words, &g.axes, &err));
     assert_ok(iso_pyramid_build(&v, "grid", &opt, &g.pyramid, NULL, &err));
     assert_ok(iso_chart_grid_cases(&g.axes, &g.pyramid, is_volume, 1, &g.cases, &g.count, &err));
-    iso_volume_destroy(&v);
     return g;
 }
 

@@ -69,8 +69,8 @@ static void try_as_listed(iso_chart_case *cases, size_t count, fake_clock *clock
 /* Points of the front, equal ones once. */
 static size_t count_front(const iso_chart_case *cases, size_t count)
 {
-    double *cost = calloc(count, sizeof *cost), *error = calloc(count, sizeof *error);
-    bool *front = calloc(count, sizeof *front);
+    FREED double *cost = calloc(count, sizeof *cost), *error = calloc(count, sizeof *error);
+    FREED bool *front = calloc(count, sizeof *front);
     size_t n = 0, found = 0;
     for (size_t i = 0; i < count; ++i)
         if (cases[i].done) {
@@ -84,9 +84,6 @@ static size_t count_front(const iso_chart_case *cases, size_t count)
             first = first && !(cost[j] == cost[i] && error[j] == error[i]);
         found += first;
     }
-    free(cost);
-    free(error);
-    free(front);
     return found;
 }
 
@@ -99,16 +96,14 @@ static grid make(size_t scenes)
 {
     grid g = {.count = 0};
     iso_chart_grid axes;
-    iso_pyramid pyramid = {0};
-    iso_volume v = noise(40, 30, 20);
+    OWNED(iso_pyramid) pyramid = {0};
+    OWNED(iso_volume) v = noise(40, 30, 20);
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 3;
     opt.keep_float = true;
     assert_ok(iso_chart_grid_parse(&(iso_chart_words){.with = "gl"}, &axes, &err));
     assert_ok(iso_pyramid_build(&v, "grid", &opt, &pyramid, NULL, &err));
     assert_ok(iso_chart_grid_cases(&axes, &pyramid, true, scenes, &g.cases, &g.count, &err));
-    iso_volume_destroy(&v);
-    iso_pyramid_destroy(&pyramid);
     return g;
 }
 

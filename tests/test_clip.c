@@ -27,13 +27,12 @@ static void make_scene(scene *s)
                       .index_to_world = {{{c, -0.8 * d, 0}, {d, 0.8 * c, 0}, {0, 0, 1.7}}}};
     iso_field f = {.kind = ISO_FIELD_MARSCHNER_LOBB, .geometry = g};
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_volume v;
-    iso_scene file;
+    OWNED(iso_volume) v;
+    OWNED(iso_scene) file;
     build.level_count = 1;
     *s = (scene){0};
     assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
     assert_ok(iso_pyramid_build(&v, "field", &build, &s->pyramid, NULL, &err));
-    iso_volume_destroy(&v);
     const iso_level *level = &s->pyramid.levels[0];
     assert_ok(iso_node_levels_create(&s->nodes, level, 8, 3, true, 0, &err));
     assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &file, &err));
@@ -45,7 +44,6 @@ static void make_scene(scene *s)
     file.clips[1].point_mm = iso_geometry_box_center_mm(&g);
     file.clips[1].at = NAN;
     assert_ok(iso_scene_resolve(&file, &g, level->min, level->max, &s->view, &err));
-    iso_scene_destroy(&file);
     iso_random random = {5};
     assert_int_equal(iso_brick_count(&s->nodes), sizeof s->levels);
     for (size_t i = 0; i < sizeof s->levels; ++i)

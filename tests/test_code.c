@@ -221,16 +221,14 @@ TEST(the_decoder_in_float_agrees_with_double)
 static double mean_error_deg(void (*encode)(const float *, uint8_t *, size_t), iso_code code, const float *in,
                              size_t count)
 {
-    uint8_t *bytes = malloc(6 * count);
-    float *out = malloc(3 * count * sizeof *out);
+    FREED uint8_t *bytes = malloc(6 * count);
+    FREED float *out = malloc(3 * count * sizeof *out);
     double sum = 0;
     encode(in, bytes, count);
     iso_code_decode_all(code, bytes, out, count);
     for (size_t i = 0; i < count; ++i)
         sum += angle_deg(iso_v3(out[3 * i], out[3 * i + 1], out[3 * i + 2]),
                          iso_v3(in[3 * i], in[3 * i + 1], in[3 * i + 2]));
-    free(bytes);
-    free(out);
     return sum / (double)count;
 }
 

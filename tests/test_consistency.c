@@ -78,8 +78,8 @@ static double measure_by_hand(subject *s, size_t level, const iso_tf_table *tabl
     for (int i = 0; i < views; ++i) {
         const iso_level *l = &s->pyramid.levels[0];
         iso_scene scene = s->scene;
-        iso_view view;
-        iso_image fine, coarse;
+        OWNED(iso_view) view;
+        OWNED(iso_image) fine, coarse;
         iso_metrics m;
         const iso_render_options opt = iso_render_defaults(&iso_renderer_gl);
         scene.camera_direction = iso_view_along_diagonal(i);
@@ -93,9 +93,6 @@ static double measure_by_hand(subject *s, size_t level, const iso_tf_table *tabl
                                   NULL, &err));
         assert_ok(iso_metrics_measure(&fine, &coarse, &m, &err));
         sum += (1 - m.ssim) / views;
-        iso_image_destroy(&fine);
-        iso_image_destroy(&coarse);
-        iso_view_destroy(&view);
     }
     return sum;
 }

@@ -29,11 +29,10 @@ static iso_cpu_brick_options exact(void)
 static void expect_same_bits(const iso_brick_field *f, const iso_view *view, iso_cpu_brick_options opt,
                              const iso_image *image, const char *what)
 {
-    iso_image other = draw(f, view, opt);
+    OWNED(iso_image) other = draw(f, view, opt);
     double rmse;
     if (memcmp(image->rgba, other.rgba, 4 * image->width * image->height * sizeof(float)) != 0)
         fail_msg("%s: %g apart", what, max_difference(image, &other, &rmse));
-    iso_image_destroy(&other);
 }
 
 /* The picture in every way that it can be made. */
@@ -58,7 +57,7 @@ static iso_image draw_in_all_ways(const iso_brick_field *f, const iso_view *view
 static void expect_the_reference(const iso_brick_field *f, const iso_view *view, const char *what)
 {
     double rmse;
-    iso_image truth = brick_reference(f, view), image = draw_in_all_ways(f, view, exact());
+    OWNED(iso_image) truth = brick_reference(f, view), image = draw_in_all_ways(f, view, exact());
     const double max = max_difference(&truth, &image, &rmse);
     print_message("%-24s rmse %.2g, most %.2g\n", what, rmse, max);
     /* Bricks on their own jump at their faces, and a sample that rounding puts on the other side takes the other value:
@@ -66,8 +65,6 @@ static void expect_the_reference(const iso_brick_field *f, const iso_view *view,
     if (f->faces == ISO_FACES_BAKED)
         assert_at_most(max, MAX_ABS);
     assert_at_most(rmse, f->faces == ISO_FACES_BAKED ? RMSE : 1e-3);
-    iso_image_destroy(&truth);
-    iso_image_destroy(&image);
 }
 
 VALUES_TEST(random_levels_agree_with_the_reference)
@@ -90,14 +87,12 @@ TEST(a_brick_of_another_level_is_seen)
     double rmse;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
-    iso_image truth = brick_reference(&f, &s.view);
+    OWNED(iso_image) truth = brick_reference(&f, &s.view);
     const size_t middle = 2 + 5 * (3 + 7 * 2);
     s.levels[middle] = s.levels[middle] ? 0 : 2;
-    iso_image image = draw(&f, &s.view, exact());
+    OWNED(iso_image) image = draw(&f, &s.view, exact());
     assert_more_than(max_difference(&truth, &image, &rmse), 1e-3);
     assert_more_than(rmse, 1e3 * RMSE);
-    iso_image_destroy(&truth);
-    iso_image_destroy(&image);
     destroy_brick_scene(&s);
 }
 
@@ -151,20 +146,17 @@ TEST(nodes_of_16_bits_are_close)
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     iso_node_levels_round(&s.nodes);
-    iso_image truth = brick_reference(&f, &s.view);
+    OWNED(iso_image) truth = brick_reference(&f, &s.view);
     for (int shaded = 1; shaded >= 0; --shaded) {
         iso_cpu_brick_options opt = iso_cpu_brick_defaults();
         double rmse;
         opt.shaded = shaded;
         s.view.light_count = shaded ? s.view.light_count : 0;
-        iso_image unlit = shaded ? (iso_image){0} : brick_reference(&f, &s.view);
-        iso_image image = draw_in_all_ways(&f, &s.view, opt);
+        OWNED(iso_image) unlit = shaded ? (iso_image){0} : brick_reference(&f, &s.view);
+        OWNED(iso_image) image = draw_in_all_ways(&f, &s.view, opt);
         assert_at_most(max_difference(shaded ? &truth : &unlit, &image, &rmse), 2e-3);
         assert_at_most(rmse, 1e-4);
-        iso_image_destroy(&image);
-        iso_image_destroy(&unlit);
     }
-    iso_image_destroy(&truth);
     destroy_brick_scene(&s);
 }
 
@@ -205,10 +197,10 @@ TEST(sizes_may_be_odd)
     for (size_t k = 0; k < sizeof of / sizeof *of; ++k) {
         iso_geometry g = iso_geometry_axis_aligned(of[k].size, (const double[3]){1, 0.8, 1.7});
         const iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = g, .seed = 5};
-        iso_volume v;
-        iso_node_levels n;
-        iso_scene file;
-        iso_view view;
+        OWNED(iso_volume) v;
+        OWNED(iso_node_levels) n;
+        OWNED(iso_scene) file;
+        OWNED(iso_view) view;
         char what[64];
         assert_ok(iso_field_sample(&field, ISO_F32, &v, &err));
         const iso_volume_stats stats = iso_volume_measure(&v);
@@ -218,18 +210,13 @@ TEST(sizes_may_be_odd)
         assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &file, &err));
         file.width = 33, file.height = 21;
         assert_ok(iso_scene_resolve(&file, &g, stats.min, stats.max, &view, &err));
-        uint8_t *levels = malloc(iso_brick_count(&n));
+        FREED uint8_t *levels = malloc(iso_brick_count(&n));
         assert_non_null(levels);
         for (size_t i = 0; i < iso_brick_count(&n); ++i)
             levels[i] = (uint8_t)(i * 7 % of[k].level_count);
         snprintf(what, sizeof what, "%zu x %zu x %zu in %zu", of[k].size[0], of[k].size[1], of[k].size[2],
                  of[k].brick_voxels);
         expect_the_reference(&(iso_brick_field){&n, levels, ISO_FACES_BAKED}, &view, what);
-        free(levels);
-        iso_view_destroy(&view);
-        iso_scene_destroy(&file);
-        iso_node_levels_destroy(&n);
-        iso_volume_destroy(&v);
     }
     destroy_brick_scene(&s);
 }

@@ -30,7 +30,7 @@ static iso_pyramid make_pyramid(const volume_case *of)
     const double c = cos(0.5), s = sin(0.5), d = cos(0.3), e = sin(0.3), h[3] = {1, 0.8, 1.7};
     const double rotation[3][3] = {{c, -s, 0}, {d * s, d * c, -e}, {e * s, e * c, d}};
     iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = {.origin_mm = {-17, 5, 40}}, .seed = 3};
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     for (int a = 0; a < 3; ++a) {
@@ -44,7 +44,6 @@ static iso_pyramid make_pyramid(const volume_case *of)
     opt.keep_float = true;
     assert_ok(iso_field_sample(&field, of->type, &v, &err));
     assert_ok(iso_pyramid_build(&v, "noise", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     p.levels[0].labels = of->labels;
     return p;
 }
@@ -96,10 +95,9 @@ static difference compare(const iso_image *a, const iso_image *b)
 static void expect_same_bits(const iso_pyramid *p, const iso_view *view, iso_cpu_options opt, const iso_image *image,
                              const char *what)
 {
-    iso_image other = draw(p, view, opt);
+    OWNED(iso_image) other = draw(p, view, opt);
     if (memcmp(image->rgba, other.rgba, 4 * image->width * image->height * sizeof(float)) != 0)
         fail_msg("%s: %g apart", what, compare(image, &other).max_abs);
-    iso_image_destroy(&other);
 }
 
 /* The reference's samples within rounding; and the same bits however they were made. */
@@ -144,24 +142,22 @@ TEST(it_has_the_samples_of_the_reference)
     static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_DECODED, ISO_FROM_FLOAT, ISO_FROM_FLIPPED,
                                                    ISO_FROM_ON_THE_FLY};
     for (size_t v = 0; v < sizeof volumes / sizeof *volumes; ++v) {
-        iso_pyramid p = make_pyramid(&volumes[v]);
+        OWNED(iso_pyramid) p = make_pyramid(&volumes[v]);
         for (size_t s = 0; s < sizeof sources / sizeof *sources; ++s) {
             char what[96];
-            iso_view view = make_view(&p, s % 2);
+            OWNED(iso_view) view = make_view(&p, s % 2);
             snprintf(what, sizeof what, "%s, %s", iso_code_describe(volumes[v].code)->name,
                      iso_direction_source_name(sources[s]));
             expect_picture(&p, &view, sources[s], what);
-            iso_view_destroy(&view);
         }
-        iso_pyramid_destroy(&p);
     }
 }
 
 TEST(it_has_clip_planes_cameras_inside_and_any_step)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
-    iso_pyramid p = make_pyramid(&of);
-    iso_view view = make_view(&p, false);
+    OWNED(iso_pyramid) p = make_pyramid(&of);
+    OWNED(iso_view) view = make_view(&p, false);
     const iso_vec3 middle = iso_geometry_box_center_mm(&p.levels[0].geometry);
     view.clip_count = 2;
     view.clips[0].normal = iso_normalize(iso_v3(1, 0.4, -0.2));
@@ -176,8 +172,6 @@ TEST(it_has_clip_planes_cameras_inside_and_any_step)
     expect_picture(&p, &view, ISO_FROM_CODES, "a long step");
     view.step_voxels = 0.07;
     expect_picture(&p, &view, ISO_FROM_CODES, "a short step");
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* Along z, a ray through each voxel's center and one between every two: on faces of cells all along, where a place in
@@ -200,13 +194,11 @@ static void look_along_z(iso_pyramid *p, iso_view *view, double tilt)
 TEST(rays_on_faces_of_cells_miss_nothing)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
-    iso_pyramid p = make_pyramid(&of);
-    iso_view view = make_view(&p, true);
+    OWNED(iso_pyramid) p = make_pyramid(&of);
+    OWNED(iso_view) view = make_view(&p, true);
     look_along_z(&p, &view, 0);
     expect_picture(&p, &view, ISO_FROM_CODES, "on faces of cells");
     expect_picture(&p, &view, ISO_FROM_ON_THE_FLY, "on faces of cells, on the fly");
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* Next to a face behind which all is empty, so near that a float is on the other side: 301 - 1.2e-5 is 301. What is
@@ -214,8 +206,8 @@ TEST(rays_on_faces_of_cells_miss_nothing)
 TEST(rays_next_to_what_is_empty_miss_nothing)
 {
     const volume_case of = {ISO_F32, ISO_CODE_FIT, {600, 5, 4}, false};
-    iso_pyramid p = make_pyramid(&of);
-    iso_view view = make_view(&p, true);
+    OWNED(iso_pyramid) p = make_pyramid(&of);
+    OWNED(iso_view) view = make_view(&p, true);
     const iso_tf_table *tf = &view.tf;
     size_t last = 0; /* entry before the first one that shows */
     while (!(tf->entries[4 * (last + 1) + 3] > 0))
@@ -226,8 +218,6 @@ TEST(rays_next_to_what_is_empty_miss_nothing)
     look_along_z(&p, &view, 0);
     view.camera.position = iso_sub(view.camera.position, iso_v3(1.2e-5, 0.1, 0));
     expect_picture(&p, &view, ISO_FROM_CODES, "next to what is empty");
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* A camera's axes are sines and cosines: one that should be 0 is 1e-17. Below 0, that was a step of a whole voxel in
@@ -235,13 +225,11 @@ TEST(rays_next_to_what_is_empty_miss_nothing)
 TEST(a_direction_just_below_zero_is_next_to_zero)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
-    iso_pyramid p = make_pyramid(&of);
-    iso_view view = make_view(&p, true);
+    OWNED(iso_pyramid) p = make_pyramid(&of);
+    OWNED(iso_view) view = make_view(&p, true);
     look_along_z(&p, &view, -1e-17);
     view.camera.position.x += 0.1; /* off the faces of cells */
     expect_picture(&p, &view, ISO_FROM_CODES, "a direction just below 0");
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* The box cuts the first and the last segment, and the middle of what is left is moved along the ray: by next to
@@ -250,37 +238,33 @@ TEST(what_the_box_cuts_moves_nothing_across_the_ray)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
     static const double tilts[] = {-1e-17, 1e-17, -1e-9, 1e-9};
-    iso_pyramid p = make_pyramid(&of);
-    iso_view view = make_view(&p, true);
+    OWNED(iso_pyramid) p = make_pyramid(&of);
+    OWNED(iso_view) view = make_view(&p, true);
     for (size_t i = 0; i < sizeof tilts / sizeof *tilts; ++i) {
         look_along_z(&p, &view, tilts[i]);
         view.camera.position = iso_add(view.camera.position, iso_v3(0.1, 0, 0.17)); /* off the faces of cells */
         expect_picture(&p, &view, ISO_FROM_CODES, "a direction next to 0, and segments that are cut");
     }
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(it_has_labels)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, true};
-    iso_pyramid p = make_pyramid(&of);
-    iso_view view = make_view(&p, false);
+    OWNED(iso_pyramid) p = make_pyramid(&of);
+    OWNED(iso_view) view = make_view(&p, false);
     for (size_t i = 0; i < 22 * 27 * 17; ++i)
         p.levels[0].scalar[i] = (float)(16 * (int)(p.levels[0].scalar[i] / 16)); /* values between labels would show */
     p.levels[0].min = 16 * floor(p.levels[0].min / 16);
     expect_picture(&p, &view, ISO_FROM_CODES, "labels");
     expect_picture(&p, &view, ISO_FROM_ON_THE_FLY, "labels, on the fly");
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* A second value that follows its own wave, and an extinction scale that follows another. */
 TEST(it_has_2d_transfer_functions_and_extinction_scales)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
-    iso_pyramid p = make_pyramid(&of);
-    iso_view view = make_view(&p, false);
+    OWNED(iso_pyramid) p = make_pyramid(&of);
+    OWNED(iso_view) view = make_view(&p, false);
     const size_t count = 22 * 27 * 17;
     iso_tf_2d *tf = calloc(1, sizeof *tf);
     uint8_t *bytes = malloc(count), *scale = malloc(count);
@@ -303,8 +287,6 @@ TEST(it_has_2d_transfer_functions_and_extinction_scales)
     tf->bytes = bytes;
     view.tf_2d = tf;
     expect_picture(&p, &view, ISO_FROM_CODES, "a 2D transfer function");
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* Planted: a volume that stands a thousandth of a voxel off, and a step that is a thousandth longer, are far beyond the
@@ -312,30 +294,25 @@ TEST(it_has_2d_transfer_functions_and_extinction_scales)
 TEST(what_is_a_little_wrong_is_beyond_the_limits)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {22, 27, 17}, false};
-    iso_pyramid p = make_pyramid(&of);
-    iso_view view = make_view(&p, false);
+    OWNED(iso_pyramid) p = make_pyramid(&of);
+    OWNED(iso_view) view = make_view(&p, false);
     iso_cpu_options opt = iso_cpu_defaults();
-    iso_image image = draw(&p, &view, opt);
+    OWNED(iso_image) image = draw(&p, &view, opt);
     const iso_vec3 origin = p.levels[0].geometry.origin_mm;
     p.levels[0].geometry.origin_mm = iso_add(origin, iso_v3(1e-3, 1e-3, 1e-3));
-    iso_image shifted = draw(&p, &view, opt);
+    OWNED(iso_image) shifted = draw(&p, &view, opt);
     assert_more_than(compare(&image, &shifted).max_abs, 4 * MAX_ABS);
     p.levels[0].geometry.origin_mm = origin;
     opt.step_voxels = 1.001 * view.step_voxels;
-    iso_image stepped = draw(&p, &view, opt);
+    OWNED(iso_image) stepped = draw(&p, &view, opt);
     assert_more_than(compare(&image, &stepped).max_abs, 4 * MAX_ABS);
-    iso_image_destroy(&stepped);
-    iso_image_destroy(&shifted);
-    iso_image_destroy(&image);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(what_it_cannot_draw_is_refused)
 {
     const volume_case of = {ISO_U8, ISO_CODE_FIT, {5, 6, 7}, false};
-    iso_pyramid p = make_pyramid(&of);
-    iso_view view = make_view(&p, false);
+    OWNED(iso_pyramid) p = make_pyramid(&of);
+    OWNED(iso_view) view = make_view(&p, false);
     iso_cpu_options opt = iso_cpu_defaults();
     iso_image image;
     opt.step_voxels = NAN;
@@ -347,8 +324,6 @@ TEST(what_it_cannot_draw_is_refused)
     opt.width = ISO_CPU_WIDEST;
     opt.source = ISO_FROM_PALETTE;
     assert_status(iso_cpu_render(&p.levels[0], p.options.code, &view, &opt, &image, &err), ISO_E_RANGE);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST_MAIN(NULL, NULL)

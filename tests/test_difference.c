@@ -31,11 +31,10 @@ static const char text[] =
 
 static json_t *report(void)
 {
-    char *json = strdup(text);
+    FREED char *json = strdup(text);
     for (char *c = json; *c; ++c)
         *c = *c == '\'' ? '"' : *c;
     json_t *root = json_loads(json, 0, NULL);
-    free(json);
     assert_non_null(root);
     return root;
 }
@@ -282,12 +281,11 @@ static const struct {
 static json_t *planted_report(size_t i)
 {
     json_t *root = report();
-    char *json = strdup(planted[i].set);
+    FREED char *json = strdup(planted[i].set);
     for (char *c = json; *c; ++c)
         *c = *c == '\'' ? '"' : *c;
     assert_int_equal(
         json_object_update_new(row_of(root, planted[i].list, planted[i].row), json_loads(json, 0, NULL)), 0);
-    free(json);
     return root;
 }
 

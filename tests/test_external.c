@@ -16,17 +16,15 @@ static iso_renderers renderers;
 
 static void write_text(const char *name, const char *text)
 {
-    char *path = iso_path_join(folder, name);
+    FREED char *path = iso_path_join(folder, name);
     assert_ok(iso_file_write(path, text, strlen(text), &err));
-    free(path);
 }
 
 static iso_status load(const char *name, const char *text, iso_error *why)
 {
-    char *path = iso_path_join(folder, name);
+    FREED char *path = iso_path_join(folder, name);
     write_text(name, text);
     const iso_status status = iso_renderers_load(path, why);
-    free(path);
     return status;
 }
 
@@ -159,11 +157,10 @@ enum { FAULT_COUNT = sizeof faults / sizeof *faults };
 /* The renderer that users start from; to be freed. */
 static char *example_program(void)
 {
-    char *file;
+    FREED char *file;
     size_t size;
     assert_ok(iso_file_read("doc/guide/numpy_renderer.py", &file, &size, &err));
     char *text = strndup(file, size);
-    free(file);
     return text;
 }
 
@@ -198,7 +195,7 @@ static void load_programs(const char *interpreter)
     FILE *f = open_memstream(&json, &size);
     fputs("{\"schema\": \"isoshade.renderers/1\", \"renderers\": [", f);
     for (int i = -1; i < FAULT_COUNT; ++i) {
-        char *program = i < 0 ? strdup(text) : changed(text, faults[i].from, faults[i].to);
+        FREED char *program = i < 0 ? strdup(text) : changed(text, faults[i].from, faults[i].to);
         snprintf(name, sizeof name, i < 0 ? "right" : "fault%d", i);
         fprintf(f,
                 "%s{\"name\": \"%s\", \"command\": [\"%s\", \"%s.py\"], \"tier\": \"samples\", "
@@ -206,7 +203,6 @@ static void load_programs(const char *interpreter)
                 i < 0 ? "" : ",\n", name, interpreter, name);
         strcat(name, ".py");
         write_text(name, program);
-        free(program);
     }
     fputs("]}", f);
     fclose(f);

@@ -20,7 +20,7 @@ static iso_pyramid pyramid_of(const size_t size[3], value_at *value, size_t leve
 {
     const iso_geometry g = iso_geometry_axis_aligned(size, (const double[]){1, 1, 1});
     iso_pyramid_options opt = iso_pyramid_defaults();
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     opt.level_count = levels;
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "test", &err));
@@ -29,7 +29,6 @@ static iso_pyramid pyramid_of(const size_t size[3], value_at *value, size_t leve
             for (size_t x = 0; x < size[0]; ++x, ++i)
                 ((float *)v.data)[i] = (float)value(x, y, z);
     assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -90,15 +89,16 @@ static double *shown_opacities(const iso_pyramid *p, size_t level, const iso_tf_
     const iso_geometry *fine = &p->levels[0].geometry;
     const iso_level *own = &p->levels[level];
     const size_t voxels = iso_geometry_voxel_count(&own->geometry), step = (size_t)1 << level;
-    float *scales = calloc(voxels, sizeof *scales), *slopes = malloc(voxels * sizeof *slopes);
+    FREED float *scales = calloc(voxels, sizeof *scales), *slopes = malloc(voxels * sizeof *slopes);
     double *out = malloc(iso_geometry_voxel_count(fine) * sizeof *out);
     iso_level levels[3];
     for (size_t j = 0; j < voxels; ++j) {
         scales[j] = octaves ? (float)octaves[j] : 0;
         slopes[j] = (float)(slope_at(own, j) / (double)step);
     }
-    iso_sampler value = sampler_of(&levels[0], own, own->scalar), scale = sampler_of(&levels[1], own, scales),
-                slope = sampler_of(&levels[2], own, slopes);
+    OWNED(iso_sampler)
+    value = sampler_of(&levels[0], own, own->scalar),
+    scale = sampler_of(&levels[1], own, scales), slope = sampler_of(&levels[2], own, slopes);
     for (size_t i = 0; i < iso_geometry_voxel_count(fine); ++i) {
         const size_t x = i % fine->size[0], row = i / fine->size[0];
         const iso_vec3 at = {((double)x + 0.5) / (double)step, ((double)(row % fine->size[1]) + 0.5) / (double)step,
@@ -106,11 +106,6 @@ static double *shown_opacities(const iso_pyramid *p, size_t level, const iso_tf_
         const double sigma = mean_extinction(tf, iso_sample_scalar(&value, at), iso_sample_scalar(&slope, at));
         out[i] = -expm1(-sigma * exp2(iso_sample_scalar(&scale, at)));
     }
-    iso_sampler_destroy(&value);
-    iso_sampler_destroy(&scale);
-    iso_sampler_destroy(&slope);
-    free(scales);
-    free(slopes);
     return out;
 }
 
@@ -170,18 +165,15 @@ static double checkered(size_t x, size_t y, size_t z)
  * byte is 1.2 %. At the grid's faces differences are one-sided, and not 0: what they reach is left out. */
 TEST(a_checkerboard_needs_one_number)
 {
-    iso_pyramid p = pyramid_of((const size_t[]){20, 16, 18}, checkered, 2);
-    iso_tf_table tf = table_of((const double[]){0, log(2), log(2)}, 3);
-    uint8_t *bytes;
+    OWNED(iso_pyramid) p = pyramid_of((const size_t[]){20, 16, 18}, checkered, 2);
+    OWNED(iso_tf_table) tf = table_of((const double[]){0, log(2), log(2)}, 3);
+    FREED uint8_t *bytes;
     assert_ok(iso_extinction_scale_level(&p, 1, &tf, &tf, 0, &bytes, &err));
     const double q = log(0.75) / log(0.5);
     for (size_t z = 3; z < 6; ++z)
         for (size_t y = 3; y < 5; ++y)
             for (size_t x = 3; x < 7; ++x)
                 assert_within(iso_extinction_scale_of(bytes[x + 10 * (y + 8 * z)]), q, 0.016 * q);
-    free(bytes);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 static double half_filled(size_t x, size_t y, size_t z)
@@ -194,13 +186,14 @@ static double half_filled(size_t x, size_t y, size_t z)
  * transfer function shows less of that than there is, or more: q makes it right. */
 TEST(a_half_filled_voxel_becomes_as_opaque_as_its_half)
 {
-    iso_pyramid p = pyramid_of((const size_t[]){14, 8, 6}, half_filled, 2);
-    iso_tf_table original = table_of((const double[]){0, 0, 0, 0.2, 0.2}, 5),
-                 own = table_of((const double[]){0, 0.1, 0.2, 0.2, 0.2}, 5);
+    OWNED(iso_pyramid) p = pyramid_of((const size_t[]){14, 8, 6}, half_filled, 2);
+    OWNED(iso_tf_table)
+    original = table_of((const double[]){0, 0, 0, 0.2, 0.2}, 5),
+    own = table_of((const double[]){0, 0.1, 0.2, 0.2, 0.2}, 5);
     const iso_tf_table *tfs[] = {&original, &own}; /* the level's: too little of it shows, and too much */
     const size_t fine = iso_geometry_voxel_count(&p.levels[0].geometry),
                  coarse = iso_geometry_voxel_count(&p.levels[1].geometry);
-    double *want = fine_opacities(&p, &original);
+    FREED double *want = fine_opacities(&p, &original);
     for (int t = 0; t < 2; ++t) {
         uint8_t *bytes;
         assert_ok(iso_extinction_scale_level(&p, 1, &original, tfs[t], 0, &bytes, &err));
@@ -212,10 +205,6 @@ TEST(a_half_filled_voxel_becomes_as_opaque_as_its_half)
         assert_at_most(fabs(now), 0.15 * fabs(off));
         free(octaves), free(before), free(after), free(bytes);
     }
-    free(want);
-    iso_tf_table_destroy(&original);
-    iso_tf_table_destroy(&own);
-    iso_pyramid_destroy(&p);
 }
 
 /* ---- the definition, written out ------------------------------------------------------- */
@@ -274,11 +263,10 @@ static double *three_rounds(const iso_pyramid *p, size_t level, const iso_tf_tab
     double *target = malloc(map.coarse_count * sizeof *target), *present = malloc(map.coarse_count * sizeof *present);
     scatter(&map, want, target);
     for (int round = 0; round < 3; ++round) {
-        double *have = shown_opacities(p, level, own, octaves);
+        FREED double *have = shown_opacities(p, level, own, octaves);
         scatter(&map, have, present);
         for (size_t j = 0; j < map.coarse_count; ++j)
             octaves[j] = fmin(fmax(octaves[j] + log2((target[j] + little) / (present[j] + little)), -6), 3);
-        free(have);
     }
     free(want), free(target), free(present);
     iso_interpolation_destroy(&map);
@@ -289,13 +277,13 @@ static double *three_rounds(const iso_pyramid *p, size_t level, const iso_tf_tab
  * 1 - exp(-t) by at most ln 2 / 56 t exp(-t) <= 0.0046. No transfer function or level gets worse by its scale. */
 TEST(bytes_are_the_definition_rounded)
 {
-    iso_pyramid p = noise_pyramid(5, 4);
+    OWNED(iso_pyramid) p = noise_pyramid(5, 4);
     const size_t fine = iso_geometry_voxel_count(&p.levels[0].geometry);
     for (int kind = 0; kind < 3; ++kind)
         for (size_t level = 1; level < p.level_count; ++level) {
             const size_t coarse = iso_geometry_voxel_count(&p.levels[level].geometry);
             const iso_adapt_options opt = iso_adapt_defaults();
-            iso_tf_table original = tf_of(kind, &p.levels[0]), own;
+            OWNED(iso_tf_table) original = tf_of(kind, &p.levels[0]), own;
             uint8_t *bytes;
             assert_ok(iso_adapt_level(&p, level, &original, &opt, &own, NULL, &err));
             assert_ok(iso_extinction_scale_level(&p, level, &original, &own, 0, &bytes, &err));
@@ -312,42 +300,37 @@ TEST(bytes_are_the_definition_rounded)
             for (size_t i = 0; after < before && i < fine; ++i)
                 assert_within(by_bytes[i], by_doubles[i], 0.0051);
             free(exact), free(rounded), free(want), free(plain), free(by_doubles), free(by_bytes), free(bytes);
-            iso_tf_table_destroy(&original);
-            iso_tf_table_destroy(&own);
         }
-    iso_pyramid_destroy(&p);
 }
 
 /* ---- properties ------------------------------------------------------------------------ */
 
 TEST(an_edit_on_a_kept_scaler_is_a_new_scale)
 {
-    iso_pyramid p = noise_pyramid(8, 3);
+    OWNED(iso_pyramid) p = noise_pyramid(8, 3);
     for (size_t level = 1; level < 3; ++level) {
         const size_t coarse = iso_geometry_voxel_count(&p.levels[level].geometry);
         uint8_t *first = malloc(coarse), *fresh;
         iso_extinction_scaler *s;
         assert_ok(iso_extinction_scaler_create(&p.levels[0], &p.levels[level], level, 0, &s, &err));
         for (int kind = 0; kind < 3; ++kind) {
-            iso_tf_table tf = tf_of(kind, &p.levels[0]);
+            OWNED(iso_tf_table) tf = tf_of(kind, &p.levels[0]);
             iso_extinction_scale_cost cost;
             assert_ok(iso_extinction_scaler_apply(s, &tf, &tf, first, &cost, &err));
             assert_at_most(cost.error, cost.error_one);
             assert_ok(iso_extinction_scale_level(&p, level, &tf, &tf, 0, &fresh, &err));
             assert_memory_equal(first, fresh, coarse);
             free(fresh);
-            iso_tf_table_destroy(&tf);
         }
         iso_extinction_scaler_destroy(s);
         free(first);
     }
-    iso_pyramid_destroy(&p);
 }
 
 TEST(threads_do_not_matter)
 {
-    iso_pyramid p = noise_pyramid(6, 3);
-    iso_tf_table tf = tf_of(0, &p.levels[0]);
+    OWNED(iso_pyramid) p = noise_pyramid(6, 3);
+    OWNED(iso_tf_table) tf = tf_of(0, &p.levels[0]);
     const size_t coarse = iso_geometry_voxel_count(&p.levels[1].geometry);
     uint8_t *one, *many;
     assert_ok(iso_extinction_scale_level(&p, 1, &tf, &tf, 1, &one, &err));
@@ -357,8 +340,6 @@ TEST(threads_do_not_matter)
         free(many);
     }
     free(one);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 static double plane(size_t x, size_t y, size_t z)
@@ -369,27 +350,23 @@ static double plane(size_t x, size_t y, size_t z)
 /* Nothing is seen, or the level shows what the fine voxels do: then nothing is scaled. */
 TEST(what_is_right_is_left_alone)
 {
-    iso_pyramid p = pyramid_of((const size_t[]){16, 16, 16}, plane, 2);
-    iso_tf_table nothing = table_of((const double[]){0, 0}, 2), haze = table_of((const double[]){0.1, 0.1}, 2);
+    OWNED(iso_pyramid) p = pyramid_of((const size_t[]){16, 16, 16}, plane, 2);
+    OWNED(iso_tf_table) nothing = table_of((const double[]){0, 0}, 2), haze = table_of((const double[]){0.1, 0.1}, 2);
     const iso_tf_table *tfs[] = {&nothing, &haze};
     for (int t = 0; t < 2; ++t) {
-        uint8_t *bytes;
+        FREED uint8_t *bytes;
         assert_ok(iso_extinction_scale_level(&p, 1, tfs[t], tfs[t], 0, &bytes, &err));
         for (size_t j = 0; j < 8 * 8 * 8; ++j)
             assert_int_equal(bytes[j], ISO_EXTINCTION_SCALE_ONE);
-        free(bytes);
     }
     uint8_t *none;
     assert_ok(iso_extinction_scale_level(&p, 0, &haze, &haze, 0, &none, &err));
     assert_null(none); /* level 0 needs none */
-    iso_tf_table_destroy(&nothing);
-    iso_tf_table_destroy(&haze);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(levels_that_do_not_fit_are_refused)
 {
-    iso_pyramid p = noise_pyramid(7, 3);
+    OWNED(iso_pyramid) p = noise_pyramid(7, 3);
     iso_extinction_scaler *s;
     iso_level outline = p.levels[1];
     outline.scalar = NULL;
@@ -397,7 +374,6 @@ TEST(levels_that_do_not_fit_are_refused)
     assert_null(s);
     assert_status(iso_extinction_scaler_create(&p.levels[0], &outline, 1, 0, &s, &err), ISO_E_RANGE);
     iso_extinction_scaler_destroy(NULL);
-    iso_pyramid_destroy(&p);
 }
 
 TEST_MAIN(NULL, end_renderers)

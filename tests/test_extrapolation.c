@@ -40,7 +40,7 @@ static const double rounding = 1e-7; /* of floats near 1/2 */
 
 TEST(the_bar_is_what_the_step_leaves_times_the_factor)
 {
-    iso_extrapolated l = extrapolate(0.01, 0, false, 2);
+    OWNED(iso_extrapolated) l = extrapolate(0.01, 0, false, 2);
     assert_within(l.rmse, 0, rounding);
     assert_within(l.step_bar, 0.01, rounding);
     assert_within(l.noise_bar, 0, rounding);
@@ -48,7 +48,6 @@ TEST(the_bar_is_what_the_step_leaves_times_the_factor)
     assert_within(l.allowed, 0.02 + 1e-5, 3 * rounding); /* one rounding of 16 bits, and no more */
     assert_within(l.order, 2, 1e-4);
     assert_within(iso_extrapolated_error_left(&l), 0.25, 1e-3);
-    iso_extrapolated_destroy(&l);
 }
 
 /* A seed's limit is 4/3 of the fine image less 1/3 of the coarse one, so that two seeds n above and below have limits
@@ -67,10 +66,9 @@ TEST(noise_is_part_of_the_bar)
 
 TEST(what_is_no_number_has_an_infinite_bar)
 {
-    iso_extrapolated l = extrapolate(NAN, 0, false, 2);
+    OWNED(iso_extrapolated) l = extrapolate(NAN, 0, false, 2);
     assert_true(isinf(l.bar) && isinf(l.allowed) && isnan(iso_extrapolated_error_left(&l)));
     assert_true(l.noise.rejected == 4 * side * side);
-    iso_extrapolated_destroy(&l);
 }
 
 /* ---- two limits ---- */
@@ -143,11 +141,9 @@ TEST(a_change_of_all_pixels_is_a_bias)
 
 TEST(limits_that_were_not_kept_are_not_compared)
 {
-    iso_extrapolated a = extrapolate(0.01, 0.01, false, 2), b = version(1, 0, 0);
+    OWNED(iso_extrapolated) a = extrapolate(0.01, 0.01, false, 2), b = version(1, 0, 0);
     iso_extrapolated_change change;
     assert_status(iso_extrapolated_compare(&a, &b, &change, &err), ISO_E_RANGE);
-    iso_extrapolated_destroy(&a);
-    iso_extrapolated_destroy(&b);
 }
 
 TEST_MAIN(NULL, NULL)

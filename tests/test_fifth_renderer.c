@@ -51,13 +51,12 @@ static iso_report *validate(double shift, const char *name)
     const iso_report_about about = {.title = name};
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_scene scene = make_scene();
-    iso_pyramid pyramid;
-    iso_volume volume;
-    iso_view view;
+    OWNED(iso_pyramid) pyramid;
+    OWNED(iso_volume) volume;
+    OWNED(iso_view) view;
     build.level_count = 1;
     assert_ok(iso_field_sample(&field, ISO_F32, &volume, &err));
     assert_ok(iso_pyramid_build(&volume, name, &build, &pyramid, NULL, &err));
-    iso_volume_destroy(&volume);
     const iso_level *l = &pyramid.levels[0];
     assert_ok(iso_scene_resolve(&scene, &l->geometry, l->min, l->max, &view, &err));
     iso_validation v = {.pyramid = &pyramid,
@@ -72,16 +71,13 @@ static iso_report *validate(double shift, const char *name)
                         .render_options = "",
                         .input_options = "",
                         .seeds = 2};
-    char *dir = iso_path_join(folder, name);
+    FREED char *dir = iso_path_join(folder, name);
     shift_voxels = shift;
     assert_ok(iso_renderers_from_list("shifted", v.wanted, &err));
     assert_ok(iso_report_create(&v.report, dir, &about, &err));
     assert_ok(iso_validate_renderers(&v, &err));
     assert_ok(iso_validate_agreement(&v, &err));
     iso_renderers_end(&v.renderers);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&pyramid);
-    free(dir);
     return v.report;
 }
 

@@ -43,22 +43,20 @@ static char *inside(const char *name)
 
 static void read_text(const char *dir, const char *name, char **text, size_t *size)
 {
-    char *path = iso_path_join(dir, name);
+    FREED char *path = iso_path_join(dir, name);
     assert_ok(iso_file_read(path, text, size, &err));
-    free(path);
 }
 
 /* Gray, brighter by `bias` in the left half. */
 static void add_picture(iso_report *r, const char *name, double bias, double mm_per_pixel)
 {
-    iso_image image;
+    OWNED(iso_image) image;
     assert_ok(iso_image_create(&image, width, height, &err));
     for (size_t i = 0; i < (size_t)width * height; ++i)
         for (size_t c = 0; c < 4; ++c)
             image.rgba[4 * i + c] = c == 3 ? 1 : 0.25f + (i % width < width / 2 ? (float)bias : 0);
     assert_ok(iso_report_add_image(r, name, &image, name, NULL, &err));
     iso_report_set_scale(r, name, mm_per_pixel);
-    iso_image_destroy(&image);
 }
 
 static char *make_report(const char *name, double mm_per_pixel)
@@ -110,7 +108,7 @@ typedef struct row {
 
 static size_t read_rows(const char *dir, row *rows, size_t room)
 {
-    char *text;
+    FREED char *text;
     size_t size, count = 0;
     read_text(dir, "figure.csv", &text, &size);
     for (char *line = strchr(text, '\n') + 1; *line && count < room; line = strchr(line, '\n') + 1) {
@@ -121,7 +119,6 @@ static size_t read_rows(const char *dir, row *rows, size_t room)
                    r->side, &r->bar, r->bar_text, &r->low, &r->high, &r->logs, &r->figure_width, &r->figure_height),
             18);
     }
-    free(text);
     return count;
 }
 
@@ -132,7 +129,7 @@ static bool overlap(const row *a, const row *b)
 
 TEST(panels_lie_inside_and_apart_with_enough_pixels)
 {
-    char *report = make_report("r1", 2), *out = inside("f1");
+    FREED char *report = make_report("r1", 2), *out = inside("f1");
     row rows[32];
     for (int kind = 0; kind < 2; ++kind) {
         iso_figure_job job = job_of(kind == 0 ? "levels" : "renderers", report, out);
@@ -152,13 +149,11 @@ TEST(panels_lie_inside_and_apart_with_enough_pixels)
                 assert_false(overlap(&rows[i], &rows[j]));
         }
     }
-    free(report);
-    free(out);
 }
 
 TEST(the_scale_bar_has_its_length)
 {
-    char *report = make_report("r2", 2), *unknown = make_report("r3", 0), *out = inside("f2");
+    FREED char *report = make_report("r2", 2), *unknown = make_report("r3", 0), *out = inside("f2");
     iso_figure_job job = job_of("levels", report, out);
     row rows[32];
     assert_ok(iso_figure_make(&job, &err));
@@ -170,9 +165,6 @@ TEST(the_scale_bar_has_its_length)
     assert_ok(iso_figure_make(&job, &err));
     read_rows(out, rows, 32);
     assert_within(rows[0].bar, 0, 0);
-    free(report);
-    free(unknown);
-    free(out);
 }
 
 /* Where the scale bar stands on a picture of 40 x 30 mm whose pixels are opaque where `is_shown` says so: its
@@ -197,9 +189,9 @@ static bool below(size_t x, size_t y)
 
 static void find_bar(shown_at *is_shown, double *x, double *y)
 {
-    char *out = inside("bar"), *text;
+    FREED char *out = inside("bar"), *text;
     size_t size;
-    iso_image image;
+    OWNED(iso_image) image;
     iso_page *page;
     double left, bottom, right, top;
     if (!iso_path_exists(out))
@@ -212,15 +204,12 @@ static void find_bar(shown_at *is_shown, double *x, double *y)
     iso_page_put_scale_bar(page, &(iso_page_box){.width = 40, .height = 30}, &image, 1);
     assert_ok(iso_page_finish(page, "pdf", 1, &err));
     iso_page_destroy(page);
-    iso_image_destroy(&image);
     read_text(out, "figure.gp", &text, &size);
     const char *at = strstr(text, "set object rectangle");
     assert_non_null(at);
     assert_int_equal(sscanf(at, "set object rectangle from %lf, %lf to %lf, %lf", &left, &bottom, &right, &top), 4);
     assert_within(right - left, 10, 1e-3); /* a third of 40 at most */
     *x = 0.5 * (left + right), *y = 0.5 * (bottom + top);
-    free(text);
-    free(out);
 }
 
 TEST(the_scale_bar_stands_where_little_is_shown)
@@ -313,7 +302,7 @@ TEST(maps_hold_the_differences)
 /* The adapted TF is a method of its own, by its name. */
 TEST(the_adapted_tf_can_be_asked_for)
 {
-    char *report = make_report("r7", 2), *out = inside("f7"), *data;
+    FREED char *report = make_report("r7", 2), *out = inside("f7"), *data;
     size_t size;
     iso_figure_job job = job_of("levels", report, out);
     row rows[32];
@@ -329,13 +318,10 @@ TEST(the_adapted_tf_can_be_asked_for)
     assert_non_null(strstr(
         data,
         "d with the adapted transfer function, level 1: 1 - SSIM 0.0321, FLIP 0, direction error 0 degrees (adapting refused, the original kept)."));
-    free(data);
     job.methods = "zz+adapted";
     iso_error why = {""};
     assert_int_equal(iso_figure_make(&job, &why), ISO_E_RANGE);
     assert_non_null(strstr(why.text, "\"zz+adapted\", but of a, a+adapted, ")); /* what there is */
-    free(report);
-    free(out);
 }
 
 TEST(text_is_vector_and_fonts_are_embedded)
@@ -359,7 +345,7 @@ TEST(text_is_vector_and_fonts_are_embedded)
 
 TEST(bad_requests_are_refused_and_leave_nothing)
 {
-    char *report = make_report("r6", 2), *out = inside("f6"), *missing = inside("none");
+    FREED char *report = make_report("r6", 2), *out = inside("f6"), *missing = inside("none");
     iso_figure_job job = job_of("levels", missing, out);
     assert_status(iso_figure_make(&job, &err), ISO_E_IO);
     job = job_of("levels", report, out);
@@ -372,15 +358,11 @@ TEST(bad_requests_are_refused_and_leave_nothing)
     job.level = 9;
     assert_status(iso_figure_make(&job, &err), ISO_E_RANGE);
     assert_false(iso_path_exists(out));
-    char *json = iso_path_join(report, "report.json");
+    FREED char *json = iso_path_join(report, "report.json");
     assert_ok(iso_file_write(json, "{\"schema\": \"other\"}", 19, &err));
     job = job_of("levels", report, out);
     assert_status(iso_figure_make(&job, &err), ISO_E_FORMAT);
     assert_status(iso_figure_kind_from_name(&iso_figure_kind_names, "photo", &job.kind, &err), ISO_E_USAGE);
-    free(json);
-    free(report);
-    free(out);
-    free(missing);
 }
 
 /* A pixel's size from two rays: where neighbors meet the plane through the center of the box. */

@@ -38,19 +38,17 @@ static void make_scene(scene *s, iso_field_kind kind, double part_of_range, size
                       .index_to_world = {{{c, -0.8 * d, 0}, {d, 0.8 * c, 0}, {0, 0, 1.7}}}};
     iso_field f = {.kind = kind, .geometry = g, .seed = 3};
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_volume v;
-    iso_scene file;
+    OWNED(iso_volume) v;
+    OWNED(iso_scene) file;
     build.level_count = level_count;
     *s = (scene){0};
     assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
     assert_ok(iso_pyramid_build(&v, "field", &build, &s->pyramid, NULL, &err));
-    iso_volume_destroy(&v);
     const iso_level *level = &s->pyramid.levels[0];
     assert_ok(iso_node_levels_create(&s->nodes, level, 8, 4, true, 0, &err));
     assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &file, &err));
     file.width = 96, file.height = 80;
     assert_ok(iso_scene_resolve(&file, &g, level->min, level->max, &s->view, &err));
-    iso_scene_destroy(&file);
     s->iso = level->min + part_of_range * (level->max - level->min);
     iso_random random = {11};
     assert_int_equal(iso_brick_count(&s->nodes), sizeof s->levels);
@@ -115,7 +113,7 @@ static difference measure(scene *s, const iso_brick_field *bricks, size_t level,
 {
     iso_surface surface = {.iso = gl_iso, .output = output};
     iso_reference_options exact = iso_reference_defaults();
-    iso_image a, b;
+    OWNED(iso_image) a, b;
     exact.quadrature = ISO_QUADRATURE_FIRST_HIT;
     exact.iso = s->iso;
     exact.output = output;
@@ -135,8 +133,6 @@ static difference measure(scene *s, const iso_brick_field *bricks, size_t level,
     if (getenv("ISOSHADE_TEST_VERBOSE"))
         printf("%s %s: %zu hits, worst %.2e, 99 %% %.2e, %zu apart\n", bricks ? "bricks" : "level",
                output_names[output], d.hits, d.worst, d.p99, d.apart);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
     return d;
 }
 
@@ -181,8 +177,8 @@ TEST(hits_on_bricks_of_random_levels_are_the_reference_s)
 TEST(a_sheet_of_one_voxel_has_no_holes)
 {
     enum { n = 32 };
-    float *scalar = calloc(n * n * n, sizeof *scalar);
-    uint8_t *codes = calloc(n * n * n, 3);
+    FREED float *scalar = calloc(n * n * n, sizeof *scalar);
+    FREED uint8_t *codes = calloc(n * n * n, 3);
     assert_non_null(scalar);
     for (size_t i = 0; i < n * n; ++i)
         scalar[n * n * (n / 2) + i] = 1;
@@ -197,14 +193,11 @@ TEST(a_sheet_of_one_voxel_has_no_holes)
     view.camera = orthographic(iso_madd(iso_geometry_box_center_mm(&g), forward, -60), forward, iso_v3(0, 1, 0), 8);
     const iso_surface surface = {.iso = 0.999};
     iso_gl_options opt = iso_gl_defaults();
-    iso_image image;
+    OWNED(iso_image) image;
     opt.surface = &surface;
     assert_ok(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &image, &err));
     for (size_t i = 0; i < image.width * image.height; ++i)
         assert_within((double)image.rgba[4 * i + 3], 1, 0);
-    iso_image_destroy(&image);
-    free(scalar);
-    free(codes);
 }
 
 /* Two columns of rays, a two-thousandth of a voxel to both sides of a plane where bricks meet: the x axis is stretched,
@@ -252,7 +245,7 @@ static double steps_across_faces(const scene *s, iso_node_levels *nodes, iso_bri
 TEST(surfaces_do_not_step_where_bricks_meet)
 {
     scene s;
-    iso_node_levels nodes;
+    OWNED(iso_node_levels) nodes;
     make_scene(&s, ISO_FIELD_MARSCHNER_LOBB, 0.6, 1);
     iso_level level = s.pyramid.levels[0];
     level.geometry.index_to_world = (iso_mat3){{{1000, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -265,7 +258,6 @@ TEST(surfaces_do_not_step_where_bricks_meet)
     assert_at_most(baked, 0.005); /* glancing rays */
     assert_more_than(own, 0.3);
     assert_more_than(turn[1], 10 * turn[0]);
-    iso_node_levels_destroy(&nodes);
     destroy_scene(&s);
 }
 

@@ -150,7 +150,7 @@ TEST(gradient_is_that_of_finite_differences)
         subject s = subject_of(noise(13, 10, 7), 1, curve_of(tables[t]));
         bind(&s);
         s.opt.opacity_only = t == 1;
-        float *gradient = malloc(s.map.coarse_count * sizeof *gradient);
+        FREED float *gradient = malloc(s.map.coarse_count * sizeof *gradient);
         double error, largest = 0;
         assert_ok(iso_fit_error(&s.problem, &s.opt, 2, s.coarse, &error, gradient, &err));
         for (size_t i = 0; i < s.map.coarse_count; ++i)
@@ -166,7 +166,6 @@ TEST(gradient_is_that_of_finite_differences)
             /* The widened curve bends at the ends of its window: a few voxels cross one within h. */
             assert_within((double)gradient[i], (sides[1] - sides[0]) / (2 * (double)h), 0.02 * largest);
         }
-        free(gradient);
         drop(&s);
     }
 }
@@ -240,7 +239,7 @@ TEST(threads_change_no_bit)
     subject s = subject_of(noise(23, 19, 22), 2, curve_of(ramp(0.3, 0.5)));
     bind(&s);
     const size_t bytes = s.map.coarse_count * sizeof *s.coarse;
-    float *one = malloc(bytes), *more = malloc(bytes);
+    FREED float *one = malloc(bytes), *more = malloc(bytes);
     iso_fit_report report;
     memcpy(one, s.coarse, bytes);
     s.opt.threads = 1;
@@ -251,8 +250,6 @@ TEST(threads_change_no_bit)
         assert_ok(iso_fit_scalar(&s.problem, &s.opt, more, &report, &err));
         assert_memory_equal(one, more, bytes);
     }
-    free(one);
-    free(more);
     drop(&s);
 }
 

@@ -9,10 +9,9 @@
 
 static double flip_mean(const iso_image *a, const iso_image *b)
 {
-    float *map = malloc(a->width * a->height * sizeof *map);
+    FREED float *map = malloc(a->width * a->height * sizeof *map);
     assert_ok(iso_flip_ldr(a, b, ISO_FLIP_PIXELS_PER_DEGREE, map, &err));
     double mean = iso_flip_mean(map, a->width * a->height);
-    free(map);
     return mean;
 }
 
@@ -43,10 +42,8 @@ static double largest_flip_color(void)
 /* sec. 4.1.3: green against blue is the largest difference of the gamut, and maps to 1. */
 TEST(flip_of_green_and_blue_is_one)
 {
-    iso_image a = uniform(9, 14, 0, 1, 0), b = uniform(9, 14, 0, 0, 1);
+    OWNED(iso_image) a = uniform(9, 14, 0, 1, 0), b = uniform(9, 14, 0, 0, 1);
     assert_within(flip_mean(&a, &b), 1, 1e-6); /* float map */
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 /* Grays have no chroma: HyAB is the difference of L*, here 100 and L*(.5) = 116 cbrt(.5) - 16. */
@@ -55,14 +52,13 @@ TEST(flip_of_uniform_grays_is_the_closed_form)
     const double largest = largest_flip_color();
     const double levels[] = {0, 0.5, 0.02, 0.9};
     for (int i = 0; i < 4; ++i) {
-        iso_image a = uniform(12, 12, 1, 1, 1),
-                  b = uniform(12, 12, (float)levels[i], (float)levels[i], (float)levels[i]);
+        OWNED(iso_image)
+        a = uniform(12, 12, 1, 1, 1),
+        b = uniform(12, 12, (float)levels[i], (float)levels[i], (float)levels[i]);
         double lightness = levels[i] > 0.0088565 ? 116 * cbrt((float)levels[i]) - 16 : 0;
         double d = pow(100 - lightness, 0.7), knee = 0.4 * largest;
         double expected = d < knee ? 0.95 / knee * d : 0.95 + (d - knee) / (largest - knee) * 0.05;
         assert_within(flip_mean(&a, &b), expected, 2e-6); /* digits of the matrix, float map */
-        iso_image_destroy(&a);
-        iso_image_destroy(&b);
     }
 }
 
@@ -166,7 +162,7 @@ static double direct_flip(const iso_image *a, const iso_image *b, long x, long y
 
 TEST(flip_equals_a_direct_sum_over_its_filters)
 {
-    iso_image a = textured(37, 26, 5), b = textured(37, 26, 6);
+    OWNED(iso_image) a = textured(37, 26, 5), b = textured(37, 26, 6);
     for (size_t y = 8; y < 15; ++y)
         for (size_t x = 10; x < 22; ++x)
             for (int c = 0; c < 3; ++c)
@@ -181,34 +177,28 @@ TEST(flip_equals_a_direct_sum_over_its_filters)
             largest = fmax(largest, map[y * 37 + x]);
         }
     assert_more_than(largest, 0.3);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 TEST(flip_sees_a_firefly_that_rmse_hardly_sees)
 {
-    iso_image a = uniform(41, 41, 0.2f, 0.2f, 0.2f), b = copy(&a);
+    OWNED(iso_image) a = uniform(41, 41, 0.2f, 0.2f, 0.2f), b = copy(&a);
     for (int c = 0; c < 3; ++c)
         b.rgba[4 * (20 * 41 + 20) + c] = 1;
     float map[41 * 41];
     assert_ok(iso_flip_ldr(&a, &b, ISO_FLIP_PIXELS_PER_DEGREE, map, &err));
     assert_more_than(map[20 * 41 + 20], 100 * measure(&a, &b).rmse / 8); /* 0.39 against an RMSE of .017 */
     assert_at_most(map[0], 0);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 TEST(flip_is_symmetric)
 {
-    iso_image a = textured(19, 31, 7), b = textured(19, 31, 8);
+    OWNED(iso_image) a = textured(19, 31, 7), b = textured(19, 31, 8);
     assert_true(flip_mean(&a, &b) == flip_mean(&b, &a));
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 TEST(hdr_flip_sees_what_is_clipped_away_in_ldr)
 {
-    iso_image a = textured(24, 24, 9), b;
+    OWNED(iso_image) a = textured(24, 24, 9), b;
     for (size_t i = 0; i < 24 * 24; ++i)
         for (int c = 0; c < 3; ++c)
             a.rgba[4 * i + (size_t)c] = 2 + 4 * a.rgba[4 * i + (size_t)c];
@@ -222,15 +212,13 @@ TEST(hdr_flip_sees_what_is_clipped_away_in_ldr)
     assert_more_than(iso_flip_mean(map, 24 * 24), 0.05);
     assert_ok(iso_flip_hdr(&a, &a, ISO_FLIP_PIXELS_PER_DEGREE, map, &err));
     assert_true(iso_flip_mean(map, 24 * 24) == 0);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 /* [andersson-2021] sec. 3.2: from where the brightest pixel, to where the median is shown at 0.85 by the tone curve;
  * the published example's 2^-12.5423 to 2^0.9427 are 14 exposures. */
 TEST(hdr_exposures_show_the_brightest_and_the_median_at_085)
 {
-    iso_image a = uniform(5, 1, 0, 0, 0), dark = uniform(5, 1, 0, 0, 0);
+    OWNED(iso_image) a = uniform(5, 1, 0, 0, 0), dark = uniform(5, 1, 0, 0, 0);
     const float grays[] = {12, 0.5f, 3, 40, 0.01f}; /* the median is 3, the brightest 40 */
     double start, stop;
     size_t count;
@@ -253,8 +241,6 @@ TEST(hdr_exposures_show_the_brightest_and_the_median_at_085)
         dark.rgba[c] = 1;
     assert_ok(iso_flip_exposures(&dark, &start, &stop, &count, &err)); /* a black median has no end of exposures */
     assert_true(stop - start == 8 && count == 8);
-    iso_image_destroy(&a);
-    iso_image_destroy(&dark);
 }
 
 static void brighten(iso_image *image, float gain)
@@ -269,24 +255,19 @@ static void brighten(iso_image *image, float gain)
 TEST(flip_equals_the_published_program)
 {
     const double tolerance = 1e-5;
-    iso_image a = textured(61, 47, 5), b = textured(61, 47, 6), c = copy(&a);
+    OWNED(iso_image) a = textured(61, 47, 5), b = textured(61, 47, 6), c = copy(&a);
     assert_within(flip_mean(&a, &b), 0.0789761, tolerance);
     for (size_t y = 8; y < 15; ++y)
         for (size_t x = 10; x < 22; ++x)
             memcpy(c.rgba + 4 * (y * 61 + x), (float[4]){1, 0, 0, 1}, 16);
     assert_within(flip_mean(&a, &c), 0.0489542, tolerance);
-    iso_image white = uniform(8, 8, 1, 1, 1), black = uniform(8, 8, 0, 0, 0);
+    OWNED(iso_image) white = uniform(8, 8, 1, 1, 1), black = uniform(8, 8, 0, 0, 0);
     assert_within(flip_mean(&white, &black), 0.9673710, tolerance);
     brighten(&a, 8);
     brighten(&b, 8);
     float map[61 * 47];
     assert_ok(iso_flip_hdr(&a, &b, ISO_FLIP_PIXELS_PER_DEGREE, map, &err));
     assert_within(iso_flip_mean(map, 61 * 47), 0.0702070, tolerance);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
-    iso_image_destroy(&c);
-    iso_image_destroy(&white);
-    iso_image_destroy(&black);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -47,38 +47,35 @@ static iso_pyramid make_plate(iso_direction_filter filter)
     const double spacing[3] = {1, 1, 1};
     iso_field f = {.kind = ISO_FIELD_PLATE, .geometry = iso_geometry_axis_aligned(size, spacing)};
     iso_pyramid_options opt = iso_pyramid_defaults();
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     opt.direction_filter = filter;
     opt.level_count = 2;
     assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
     assert_ok(iso_pyramid_build(&v, "plate", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
 /* The plate is 1.6 voxels thick (a Gaussian of .8 deviation): the middle is between voxels of opposite directions. */
 TEST(a_thin_plate_keeps_its_normal)
 {
-    iso_pyramid p = make_plate(ISO_DIRECTION_MOMENTS);
+    OWNED(iso_pyramid) p = make_plate(ISO_DIRECTION_MOMENTS);
     const shortness flipped = near_the_middle(&p.levels[0], ISO_FROM_FLIPPED),
                     plain = near_the_middle(&p.levels[0], ISO_FROM_CODES);
     /* Central differences over two voxels of so thin a plate bend directions by 11 degrees, whose cosine is .98. */
     assert_more_than(flipped.least, 0.95);
     assert_at_most(plain.least, 0.2); /* the planted fault: the plain fetch has no direction in the middle */
     assert_more_than(flipped.mean, plain.mean + 0.02);
-    iso_pyramid_destroy(&p);
 }
 
 /* Level 1 with the tensor mean, whose axis survives where the mean of vectors vanishes. */
 TEST(a_coarse_plate_keeps_its_normal)
 {
-    iso_pyramid p = make_plate(ISO_DIRECTION_TENSOR);
+    OWNED(iso_pyramid) p = make_plate(ISO_DIRECTION_TENSOR);
     const shortness flipped = near_the_middle(&p.levels[1], ISO_FROM_FLIPPED),
                     plain = near_the_middle(&p.levels[1], ISO_FROM_CODES);
     assert_more_than(flipped.least, 0.95);
     assert_at_most(plain.least, 0.2);
-    iso_pyramid_destroy(&p);
 }
 
 /* Where no directions oppose each other nothing changes. */
@@ -88,9 +85,9 @@ TEST(directions_of_one_side_are_left_alone)
     const double spacing[3] = {1, 1, 1};
     iso_field f = {.kind = ISO_FIELD_RAMP, .geometry = iso_geometry_axis_aligned(size, spacing)};
     iso_pyramid_options opt = iso_pyramid_defaults();
-    iso_volume v;
-    iso_pyramid p;
-    iso_sampler plain, flipped;
+    OWNED(iso_volume) v;
+    OWNED(iso_pyramid) p;
+    OWNED(iso_sampler) plain, flipped;
     assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
     assert_ok(iso_pyramid_build(&v, "ramp", &opt, &p, NULL, &err));
     assert_ok(iso_sampler_create(&plain, &p.levels[0], opt.code, ISO_FROM_CODES, &err));
@@ -100,10 +97,6 @@ TEST(directions_of_one_side_are_left_alone)
         const iso_vec3 a = iso_sample_normal(&plain, at), b = iso_sample_normal(&flipped, at);
         assert_within(iso_norm(iso_sub(a, b)), 0, 1e-6); /* decoded in single precision */
     }
-    iso_sampler_destroy(&plain);
-    iso_sampler_destroy(&flipped);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -191,12 +191,11 @@ static void write_own(const iso_output *out, const char *text)
 /* of: whose output stands at the final path, whole. Nothing else is left in the folder. */
 static void assert_stands(const char *of)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size;
     assert_ok(iso_manifest_check(at("out"), "out", &err));
     assert_ok(iso_file_read(at("out/data"), &text, &size, &err));
     assert_string_equal(text, of);
-    free(text);
     assert_int_equal(access(at("out/marker"), F_OK), 0);
     assert_int_not_equal(access(at(".out.partial"), F_OK), 0);
     assert_int_not_equal(access(at("out.before"), F_OK), 0);

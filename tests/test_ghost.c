@@ -15,7 +15,7 @@ enum { N = 64, LEVEL = 2 };
 static iso_pyramid pyramid_of(size_t n, double (*value)(const double at[3]), size_t levels)
 {
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1});
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "v", &err));
     float *data = v.data;
@@ -26,7 +26,6 @@ static iso_pyramid pyramid_of(size_t n, double (*value)(const double at[3]), siz
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = levels;
     assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -114,8 +113,8 @@ static double opacity_beside(const iso_pyramid *p, size_t level, const iso_tf_ta
 
 TEST(adapting_leaves_the_ghost_of_the_skin_out)
 {
-    iso_pyramid p = pyramid_of(N, head, LEVEL + 1);
-    iso_tf_table tf = band(0.6, 2), plain, kept;
+    OWNED(iso_pyramid) p = pyramid_of(N, head, LEVEL + 1);
+    OWNED(iso_tf_table) tf = band(0.6, 2), plain, kept;
     iso_adapt_options opt = iso_adapt_defaults();
     iso_adapt_judgment v;
     double ghost_plain, ghost_original, ghost_kept;
@@ -135,16 +134,12 @@ TEST(adapting_leaves_the_ghost_of_the_skin_out)
     assert_at_most(ghost_kept, ISO_GHOST_LIMIT);
     assert_within(v.ghost, ghost_plain, 1e-12);
     assert_true(v.seen && v.given_back > 0);
-    iso_tf_table_destroy(&tf);
-    iso_tf_table_destroy(&plain);
-    iso_tf_table_destroy(&kept);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(a_head_without_rests_has_no_ghost_to_leave_out)
 {
-    iso_pyramid p = pyramid_of(N, bare_head, LEVEL + 1);
-    iso_tf_table tf = band(0.6, 2), plain, kept;
+    OWNED(iso_pyramid) p = pyramid_of(N, bare_head, LEVEL + 1);
+    OWNED(iso_tf_table) tf = band(0.6, 2), plain, kept;
     iso_adapt_options opt = iso_adapt_defaults();
     iso_adapt_judgment v;
     opt.fall_back = false;
@@ -155,36 +150,28 @@ TEST(a_head_without_rests_has_no_ghost_to_leave_out)
     assert_true(v.seen && v.given_back == 0 && v.ghost < ISO_GHOST_LIMIT);
     if (!v.use_original)
         assert_memory_equal(kept.entries, plain.entries, 4 * plain.count * sizeof(float));
-    iso_tf_table_destroy(&tf);
-    iso_tf_table_destroy(&plain);
-    iso_tf_table_destroy(&kept);
-    iso_pyramid_destroy(&p);
 }
 
 /* The rows of the bits that are set are empty, along x. */
 static void assert_empty_along_x(const iso_pyramid *p, size_t level, const iso_tf_table *tf, unsigned wanted)
 {
-    uint8_t *empty;
+    FREED uint8_t *empty;
     const size_t *n = p->levels[level].geometry.size;
     assert_ok(iso_ghost_mask(&p->levels[0], &p->levels[level], level, tf, 2, &empty, &err));
     for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i)
         assert_int_equal(empty[i], wanted >> (i % n[0]) & 1);
-    free(empty);
 }
 
 TEST(what_is_empty_is_known)
 {
-    iso_pyramid p = pyramid_of(16, step, 3);
-    iso_tf_table high = band(0.9, 2), middle = band(0.4, 0.6);
+    OWNED(iso_pyramid) p = pyramid_of(16, step, 3);
+    OWNED(iso_tf_table) high = band(0.9, 2), middle = band(0.4, 0.6);
     /* Voxel i of level 1 is fine voxels 2 i and 2 i + 1, with one more on each side; of level 2 four, with two. */
     assert_empty_along_x(&p, 1, &high, 0xe0);
     assert_empty_along_x(&p, 2, &high, 0x8);
     /* No fine voxel is in the band, but what lies between those at the step is. */
     assert_empty_along_x(&p, 1, &middle, 0xe7);
     assert_empty_along_x(&p, 2, &middle, 0x9);
-    iso_tf_table_destroy(&high);
-    iso_tf_table_destroy(&middle);
-    iso_pyramid_destroy(&p);
 }
 
 /* Whether one of the fine voxels that judge a coarse one, its own and half its size around it, is 1. */
@@ -206,8 +193,8 @@ static bool has_one(const iso_level *fine, size_t level, const size_t at[3])
 TEST(what_is_empty_is_so_along_all_axes_and_at_odd_ends)
 {
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){13, 10, 7}, (double[]){1, 1, 1});
-    iso_volume v;
-    iso_pyramid p;
+    OWNED(iso_volume) v;
+    OWNED(iso_pyramid) p;
     uint32_t seed = 7;
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "v", &err));
     for (size_t i = 0; i < 13 * 10 * 7; ++i)
@@ -216,25 +203,21 @@ TEST(what_is_empty_is_so_along_all_axes_and_at_odd_ends)
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 3;
     assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
-    iso_tf_table high = band(0.9, 2);
+    OWNED(iso_tf_table) high = band(0.9, 2);
     for (size_t level = 1; level < 3; ++level) {
-        uint8_t *empty;
+        FREED uint8_t *empty;
         const size_t *n = p.levels[level].geometry.size;
         assert_ok(iso_ghost_mask(&p.levels[0], &p.levels[level], level, &high, 3, &empty, &err));
         for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i)
             assert_int_equal(empty[i],
                              !has_one(&p.levels[0], level, (size_t[]){i % n[0], i / n[0] % n[1], i / n[0] / n[1]}));
-        free(empty);
     }
-    iso_tf_table_destroy(&high);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST(threads_change_no_entry)
 {
-    iso_pyramid p = pyramid_of(N, head, LEVEL + 1);
-    iso_tf_table tf = band(0.6, 2), one, three;
+    OWNED(iso_pyramid) p = pyramid_of(N, head, LEVEL + 1);
+    OWNED(iso_tf_table) tf = band(0.6, 2), one, three;
     iso_adapt_options opt = iso_adapt_defaults();
     opt.threads = 1;
     assert_ok(iso_adapt_level(&p, LEVEL, &tf, &opt, &one, NULL, &err));
@@ -242,10 +225,6 @@ TEST(threads_change_no_entry)
     assert_ok(iso_adapt_level(&p, LEVEL, &tf, &opt, &three, NULL, &err));
     assert_int_equal(one.count, three.count);
     assert_memory_equal(one.entries, three.entries, 4 * one.count * sizeof(float));
-    iso_tf_table_destroy(&tf);
-    iso_tf_table_destroy(&one);
-    iso_tf_table_destroy(&three);
-    iso_pyramid_destroy(&p);
 }
 
 TEST_MAIN(NULL, NULL)

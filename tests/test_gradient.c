@@ -77,8 +77,8 @@ TEST(linear_field_is_exact_with_borders_in_any_geometry)
     for (size_t s = 0; s < ISO_GRADIENT_COUNT * (sizeof sizes / sizeof *sizes); ++s) {
         const size_t *n = sizes[s / ISO_GRADIENT_COUNT];
         iso_geometry g = oblique(n[0], n[1], n[2]);
-        iso_volume v = sample(&g, ISO_F32, ramp);
-        float *out = gradients_by(&v, s % ISO_GRADIENT_COUNT, 2);
+        OWNED(iso_volume) v = sample(&g, ISO_F32, ramp);
+        FREED float *out = gradients_by(&v, s % ISO_GRADIENT_COUNT, 2);
         assert_at_most(largest_error(&g, out, slope), rounding);
         /* The faults that this bound has to reject: index axes taken for world axes, the matrix
          * itself instead of its inverse transpose, and 1/2 at the border. */
@@ -86,8 +86,6 @@ TEST(linear_field_is_exact_with_borders_in_any_geometry)
         assert_more_than(largest_error(&g, out, index), rounding);
         assert_more_than(largest_error(&g, out, iso_mul(g.index_to_world, index)), rounding);
         assert_more_than(largest_error(&g, out, iso_scale(slope, 0.5)), rounding);
-        free(out);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -98,13 +96,11 @@ TEST(an_axis_of_one_voxel_has_no_gradient_along_it)
         size[axis] = 1;
         double spacing[3] = {0.5, 1, 2.5};
         iso_geometry g = iso_geometry_axis_aligned(size, spacing);
-        iso_volume v = sample(&g, ISO_F32, ramp);
-        float *out = gradients(&v, 1);
+        OWNED(iso_volume) v = sample(&g, ISO_F32, ramp);
+        FREED float *out = gradients(&v, 1);
         iso_vec3 expected = slope;
         *(axis == 0 ? &expected.x : axis == 1 ? &expected.y : &expected.z) = 0;
         assert_at_most(largest_error(&g, out, expected), rounding);
-        free(out);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -113,13 +109,11 @@ TEST(a_single_voxel_and_a_constant_have_no_gradient)
     const size_t sizes[][3] = {{1, 1, 1}, {3, 4, 5}};
     for (size_t s = 0; s < 2; ++s) {
         iso_geometry g = oblique(sizes[s][0], sizes[s][1], sizes[s][2]);
-        iso_volume v;
+        OWNED(iso_volume) v;
         assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
         memset(v.data, 77, iso_geometry_voxel_count(&g));
-        float *out = gradients(&v, 1);
+        FREED float *out = gradients(&v, 1);
         assert_true(largest_error(&g, out, iso_v3(0, 0, 0)) == 0);
-        free(out);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -158,7 +152,7 @@ TEST(types_agree_where_they_hold_the_same_values)
     const iso_type types[] = {ISO_U8, ISO_I8, ISO_U16, ISO_I16, ISO_U32, ISO_I32, ISO_F32, ISO_F64};
     iso_geometry g = oblique(6, 5, 4);
     const size_t count = iso_geometry_voxel_count(&g);
-    float *first = NULL;
+    FREED float *first = NULL;
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         iso_volume v;
         assert_ok(iso_volume_create(&v, &g, types[t], "test", &err));
@@ -180,7 +174,6 @@ TEST(types_agree_where_they_hold_the_same_values)
             first = out;
         iso_volume_destroy(&v);
     }
-    free(first);
 }
 
 static double wave(iso_vec3 p)
@@ -191,9 +184,9 @@ static double wave(iso_vec3 p)
 TEST(slabs_and_threads_give_the_same_bytes)
 {
     iso_geometry g = oblique(13, 7, 9);
-    iso_volume v = sample(&g, ISO_F32, wave);
+    OWNED(iso_volume) v = sample(&g, ISO_F32, wave);
     const size_t plane = 3 * 13 * 7, bytes = 9 * plane * sizeof(float);
-    float *one = gradients(&v, 1), *three = gradients(&v, 3), *slabs = malloc(bytes);
+    FREED float *one = gradients(&v, 1), *three = gradients(&v, 3), *slabs = malloc(bytes);
     assert_memory_equal(one, three, bytes);
     iso_gradient_options opt = iso_gradient_defaults();
     const size_t cuts[] = {0, 1, 4, 4, 9};
@@ -201,10 +194,6 @@ TEST(slabs_and_threads_give_the_same_bytes)
         assert_ok(iso_gradient_slab(&v, &opt, cuts[i], cuts[i + 1], slabs + cuts[i] * plane, &err));
     assert_memory_equal(one, slabs, bytes);
     assert_status(iso_gradient_slab(&v, &opt, 3, 10, slabs, &err), ISO_E_RANGE);
-    free(one);
-    free(three);
-    free(slabs);
-    iso_volume_destroy(&v);
 }
 
 static double cubic(iso_vec3 p)
@@ -247,21 +236,19 @@ TEST(cubic_fields_are_exact_for_the_spline_up_to_the_border)
     for (size_t s = 0; s < 3; ++s) {
         const size_t *n = sizes[s];
         iso_geometry g = iso_geometry_axis_aligned(n, spacing);
-        iso_volume v = sample(&g, ISO_F32, cubic);
+        OWNED(iso_volume) v = sample(&g, ISO_F32, cubic);
         double worst[2] = {0, 0};
         for (int i = 0; i < 2; ++i) {
-            float *out = gradients_by(&v, i ? ISO_GRADIENT_FOURTH : ISO_GRADIENT_BSPLINE, 1);
+            FREED float *out = gradients_by(&v, i ? ISO_GRADIENT_FOURTH : ISO_GRADIENT_BSPLINE, 1);
             for (size_t k = 0; k < iso_geometry_voxel_count(&g); ++k) {
                 iso_vec3 p = center(&g, k);
                 iso_vec3 d = iso_v3(0.06 * p.x * p.x + 0.1 * p.y * p.z - 1, 0.1 * p.x * p.z + 0.03 * p.z * p.z,
                                     0.1 * p.x * p.y + 0.06 * p.y * p.z);
                 worst[i] = fmax(worst[i], iso_norm(iso_sub(d, iso_v3(out[3 * k], out[3 * k + 1], out[3 * k + 2]))));
             }
-            free(out);
         }
         assert_at_most(worst[0], 4e-4);
         assert_more_than(worst[1], 4e-4); /* whose borders are of second order */
-        iso_volume_destroy(&v);
     }
 }
 
@@ -291,7 +278,7 @@ TEST(the_spline_is_that_of_the_recursive_pre_filter_along_each_axis)
         size[axis] = 100;
         const double spacing[3] = {1, 1, 1};
         iso_geometry g = iso_geometry_axis_aligned(size, spacing);
-        iso_volume v;
+        OWNED(iso_volume) v;
         assert_ok(iso_volume_create(&v, &g, ISO_I16, "test", &err));
         double f[100], d[100], worst[2] = {0, 0};
         const size_t stride = axis == 0 ? 1 : axis == 1 ? 2 : 4;
@@ -301,14 +288,12 @@ TEST(the_spline_is_that_of_the_recursive_pre_filter_along_each_axis)
             ((int16_t *)v.data)[k] = (int16_t)f[k / stride % 100];
         spline_by_recursion(f, 100, d);
         for (int i = 0; i < 2; ++i) {
-            float *out = gradients_by(&v, i ? ISO_GRADIENT_FOURTH : ISO_GRADIENT_BSPLINE, 1);
+            FREED float *out = gradients_by(&v, i ? ISO_GRADIENT_FOURTH : ISO_GRADIENT_BSPLINE, 1);
             for (size_t at = 24; at < 76; ++at)
                 worst[i] = fmax(worst[i], fabs((double)out[3 * at * stride + (size_t)axis] - d[at]));
-            free(out);
         }
         assert_at_most(worst[0], 1000 * 5e-6);
         assert_more_than(worst[1], 100);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -318,9 +303,9 @@ TEST(corners_are_the_sobel_operator_at_voxel_centers)
     const size_t sizes[][3] = {{13, 7, 9}, {1, 5, 2}, {6, 1, 1}, {2, 2, 2}};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
         iso_geometry g = oblique(sizes[s][0], sizes[s][1], sizes[s][2]);
-        iso_volume v = sample(&g, ISO_F32, wave);
-        float *a = gradients_by(&v, ISO_GRADIENT_SOBEL, 1), *b = gradients_by(&v, ISO_GRADIENT_CORNERS, 1),
-              *c = gradients_by(&v, ISO_GRADIENT_CENTRAL, 1);
+        OWNED(iso_volume) v = sample(&g, ISO_F32, wave);
+        FREED float *a = gradients_by(&v, ISO_GRADIENT_SOBEL, 1), *b = gradients_by(&v, ISO_GRADIENT_CORNERS, 1),
+                    *c = gradients_by(&v, ISO_GRADIENT_CENTRAL, 1);
         double apart = 0, from_central = 0;
         for (size_t i = 0; i < 3 * iso_geometry_voxel_count(&g); ++i) {
             apart = fmax(apart, fabs(a[i] - b[i]));
@@ -329,10 +314,6 @@ TEST(corners_are_the_sobel_operator_at_voxel_centers)
         assert_at_most(apart, 120 * 0x1p-24);
         if (s == 0)
             assert_more_than(from_central, 120 * 0x1p-24);
-        free(a);
-        free(b);
-        free(c);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -351,7 +332,7 @@ TEST(names_lead_back_to_their_methods)
 static double polynomial_error(iso_gradient_method method, int degree, int axis)
 {
     enum { N = 32 };
-    iso_volume v;
+    OWNED(iso_volume) v;
     size_t size[3] = {3, 3, 3};
     size[axis] = N;
     const iso_geometry g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
@@ -359,15 +340,13 @@ static double polynomial_error(iso_gradient_method method, int degree, int axis)
     const size_t step = axis == 0 ? 1 : axis == 1 ? 3 : 9;
     for (size_t i = 0; i < 9 * N; ++i)
         ((double *)v.data)[i] = pow((double)(i / step % N) - N / 2, degree);
-    float *out = gradients_by(&v, method, 1);
+    FREED float *out = gradients_by(&v, method, 1);
     double largest = 0;
     const size_t middle = axis == 0 ? 3 * N + N : axis == 1 ? 3 * N + 1 : 4; /* the middle one of the nine lines */
     for (size_t x = N / 2 - 4; x <= N / 2 + 4; ++x) {
         const double expected = degree * pow((double)x - N / 2, degree - 1);
         largest = fmax(largest, fabs((double)out[3 * (middle + x * step) + (size_t)axis] - expected));
     }
-    free(out);
-    iso_volume_destroy(&v);
     return largest;
 }
 

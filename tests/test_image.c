@@ -26,24 +26,21 @@ static iso_image pattern(void)
 
 TEST(exr_keeps_every_bit_and_the_orientation)
 {
-    iso_image a = pattern(), b;
-    char *path = iso_path_join(folder, "a.exr");
+    OWNED(iso_image) a = pattern(), b;
+    FREED char *path = iso_path_join(folder, "a.exr");
     const iso_image_note notes[] = {{"command", "isoshade render"}, {NULL, NULL}};
     assert_ok(iso_image_save_exr(&a, path, notes, &err));
     assert_ok(iso_image_load_exr(path, &b, &err));
     assert_int_equal(b.width, 37);
     assert_int_equal(b.height, 53);
     assert_memory_equal(a.rgba, b.rgba, 37 * 53 * 4 * sizeof(float));
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
-    free(path);
 }
 
 /* Writes the windows that an EXR of ours begins with; the file has one chunk, which is moved with its data window. */
 static void set_windows(const char *path, const int32_t data[4], const int32_t display[4])
 {
     static const char data_key[] = "dataWindow\0box2i", display_key[] = "displayWindow\0box2i";
-    char *bytes;
+    FREED char *bytes;
     size_t size;
     assert_ok(iso_file_read(path, &bytes, &size, &err));
     for (size_t i = 0; i + 32 < size; ++i) {
@@ -57,7 +54,6 @@ static void set_windows(const char *path, const int32_t data[4], const int32_t d
             memcpy(bytes + i + 8, &data[1], 4);
     }
     assert_ok(iso_file_write(path, bytes, size, &err));
-    free(bytes);
 }
 
 /* What an EXR shows is its display window: data that lie elsewhere in it are another picture. */
@@ -66,7 +62,7 @@ TEST(the_data_window_places_the_pixels)
     enum { WIDTH = 7, HEIGHT = 6 };
     iso_image a, b;
     iso_metrics m;
-    char *path = iso_path_join(folder, "window.exr");
+    FREED char *path = iso_path_join(folder, "window.exr");
     assert_ok(iso_image_create(&a, WIDTH, HEIGHT, &err));
     for (size_t i = 0; i < WIDTH * HEIGHT * 4; ++i)
         a.rgba[i] = 0.25f + (float)i / 256;
@@ -90,26 +86,24 @@ TEST(the_data_window_places_the_pixels)
     assert_status(iso_metrics_measure(&a, &b, &m, &err), ISO_E_RANGE);
     iso_image_destroy(&b);
     iso_image_destroy(&a);
-    free(path);
 }
 
 TEST(a_truncated_exr_is_refused)
 {
     iso_image a = pattern(), b;
-    char *path = iso_path_join(folder, "cut.exr");
+    FREED char *path = iso_path_join(folder, "cut.exr");
     assert_ok(iso_image_save_exr(&a, path, NULL, &err));
     assert_int_equal(truncate(path, 2000), 0);
     assert_status(iso_image_load_exr(path, &b, &err), ISO_E_FORMAT);
     assert_ok(iso_file_write(path, "not an image", 12, &err));
     assert_status(iso_image_load_exr(path, &b, &err), ISO_E_FORMAT);
     iso_image_destroy(&a);
-    free(path);
 }
 
 /* Bytes of the file's only chunk: its line and its size stand before it. */
 static size_t chunk_bytes(const char *path)
 {
-    char *data;
+    FREED char *data;
     size_t size, found = 0;
     assert_ok(iso_file_read(path, &data, &size, &err));
     for (size_t i = 0; found == 0 && i + 16 < size; ++i) {
@@ -120,7 +114,6 @@ static size_t chunk_bytes(const char *path)
         if (offset == i + 8 && (size_t)packed == size - i - 16)
             found = (size_t)packed;
     }
-    free(data);
     return found;
 }
 
@@ -130,7 +123,7 @@ TEST(chunks_that_pack_to_their_raw_size_are_kept)
     enum { WIDTH = 13, HEIGHT = 16, VALUES = 4 * WIDTH * HEIGHT };
     iso_image a, b;
     bool some_raw = false, some_packed = false;
-    char *path = iso_path_join(folder, "noise.exr");
+    FREED char *path = iso_path_join(folder, "noise.exr");
     assert_ok(iso_image_create(&a, WIDTH, HEIGHT, &err));
     uint64_t random = 1;
     for (size_t i = 0; i < VALUES; ++i) { /* all bits, so NaN of all kinds, too */
@@ -148,14 +141,13 @@ TEST(chunks_that_pack_to_their_raw_size_are_kept)
     }
     assert_true(some_raw && some_packed);
     iso_image_destroy(&a);
-    free(path);
 }
 
 /* Planted: one byte of a raw chunk, a pixel more, a file cut. */
 TEST(a_file_with_other_pixels_is_noticed_after_writing)
 {
-    iso_image a, more;
-    char *bytes, *path = iso_path_join(folder, "raw.exr");
+    OWNED(iso_image) a, more;
+    FREED char *bytes, *path = iso_path_join(folder, "raw.exr");
     size_t size;
     assert_ok(iso_image_create(&a, 1, 1, &err));
     a.rgba[0] = NAN;
@@ -169,10 +161,6 @@ TEST(a_file_with_other_pixels_is_noticed_after_writing)
     assert_status(iso_exr_verify(path, &a, &err), ISO_E_IO);
     assert_ok(iso_file_write(path, bytes, size - 1, &err));
     assert_status(iso_exr_verify(path, &a, &err), ISO_E_IO);
-    free(bytes);
-    iso_image_destroy(&more);
-    iso_image_destroy(&a);
-    free(path);
 }
 
 /* ITU-R BT.2087 has the matrix of Rec. 2020, to 4 digits; SMPTE TB 2018 that of ACES AP1 (D60), by Bradford, to 5. */
@@ -200,18 +188,17 @@ TEST(colors_of_other_primaries_become_those_of_rec_709)
 
 TEST(an_unwritable_folder_is_named)
 {
-    iso_image a = pattern();
+    OWNED(iso_image) a = pattern();
     iso_error e = {""};
     assert_int_equal(iso_image_save_exr(&a, "/nonexistent/folder/a.exr", NULL, &e), ISO_E_IO);
     assert_non_null(strstr(e.text, "/nonexistent/folder"));
     assert_int_equal(iso_image_save_png(&a, "/nonexistent/folder/a.png", 1, &e), ISO_E_IO);
-    iso_image_destroy(&a);
 }
 
 TEST(ppm_of_16_bits_is_read_and_8_bits_refused)
 {
     iso_image a;
-    char *path = iso_path_join(folder, "a.ppm");
+    FREED char *path = iso_path_join(folder, "a.ppm");
     static const char good[] = "P6\n# POV-Ray\n2 1\n65535\n\377\377\000\000\000\001\200\000\000\000\000\000";
     assert_ok(iso_file_write(path, good, sizeof good - 1, &err));
     assert_ok(iso_image_load_ppm(path, &a, &err));
@@ -224,14 +211,13 @@ TEST(ppm_of_16_bits_is_read_and_8_bits_refused)
     assert_status(iso_image_load_ppm(path, &a, &err), ISO_E_FORMAT);
     assert_ok(iso_file_write(path, "P6 1 1 255 abc", 14, &err));
     assert_status(iso_image_load_ppm(path, &a, &err), ISO_E_FORMAT);
-    free(path);
 }
 
 /* Byte 188 is 0.502886 in linear light, 1 is 1 / (255 * 12.92). */
 TEST(png_is_decoded_from_srgb_of_8_and_16_bits)
 {
     iso_image a, b;
-    char *path = iso_path_join(folder, "a.png");
+    FREED char *path = iso_path_join(folder, "a.png");
     assert_ok(iso_image_create(&a, 256, 1, &err));
     for (size_t i = 0; i < 256; ++i)
         for (size_t c = 0; c < 4; ++c) /* grays of all kinds, in red backwards */
@@ -266,12 +252,11 @@ TEST(png_is_decoded_from_srgb_of_8_and_16_bits)
     iso_image_destroy(&a);
     assert_ok(iso_file_write(path, "not a picture", 13, &err));
     assert_status(iso_image_load_png(path, &a, &err), ISO_E_FORMAT);
-    free(path);
 }
 
 TEST(the_background_shows_through_what_is_left_of_alpha)
 {
-    iso_image a;
+    OWNED(iso_image) a;
     const double background[3] = {1, 0.5, 0};
     assert_ok(iso_image_create(&a, 1, 1, &err));
     a.rgba[0] = 0.25f;
@@ -280,7 +265,6 @@ TEST(the_background_shows_through_what_is_left_of_alpha)
     assert_within(a.rgba[0], 0.5, 0);
     assert_within(a.rgba[1], 0.125, 0);
     assert_within(a.rgba[2], 0, 0);
-    iso_image_destroy(&a);
 }
 
 TEST_MAIN(make_folder, remove_folder)

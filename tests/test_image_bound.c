@@ -16,7 +16,7 @@ enum { PIXELS = 24 };
 static iso_pyramid pyramid_of(iso_field_kind kind, size_t levels)
 {
     iso_field field = {.kind = kind, .seed = 3};
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     field.geometry = iso_geometry_axis_aligned((size_t[]){20, 17, 23}, (double[]){1, 1.4, 0.8});
     field.geometry.index_to_world.m[1][0] = 0.3; /* sheared */
@@ -24,7 +24,6 @@ static iso_pyramid pyramid_of(iso_field_kind kind, size_t levels)
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = levels;
     assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -110,13 +109,14 @@ TEST(no_image_is_farther_than_its_bound)
     static const iso_field_kind kinds[] = {ISO_FIELD_SHELLS, ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_NOISE};
     int below = 0;
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; ++k) {
-        iso_pyramid p = pyramid_of(kinds[k], 3);
+        OWNED(iso_pyramid) p = pyramid_of(kinds[k], 3);
         for (int variant = 0; variant < 4; ++variant) {
-            iso_view view = view_of(&p, 0.3 + 0.1 * variant, variant & 1 ? 0.7 : 0.05, variant < 2,
-                                    variant == 1 || variant == 2);
-            iso_image finest = draw(&p, 0, &view);
+            OWNED(iso_view)
+            view = view_of(&p, 0.3 + 0.1 * variant, variant & 1 ? 0.7 : 0.05, variant < 2,
+                           variant == 1 || variant == 2);
+            OWNED(iso_image) finest = draw(&p, 0, &view);
             for (size_t level = 1; level < 3; ++level) {
-                iso_image image = draw(&p, level, &view);
+                OWNED(iso_image) image = draw(&p, level, &view);
                 const double measured = measured_rmse(&finest, &image), most = bound_of(&p, level, &view, &view.tf, 1);
                 assert_more_than(most, measured);
                 assert_more_than(1, most);
@@ -124,24 +124,18 @@ TEST(no_image_is_farther_than_its_bound)
                 const double rays = along_rays(&p, level, &view, &view.tf); /* in between; its steps are 1/4 voxel */
                 assert_more_than(rays, 0.97 * measured);
                 assert_more_than(most, rays);
-                iso_image_destroy(&image);
             }
-            iso_image_destroy(&finest);
-            iso_view_destroy(&view);
         }
-        iso_pyramid_destroy(&p);
     }
     assert_more_than(below, 5); /* a bound of 1 for everything would be none */
 }
 
 TEST(level_0_against_itself_is_0_and_threads_change_nothing)
 {
-    iso_pyramid p = pyramid_of(ISO_FIELD_NOISE, 2);
-    iso_view view = view_of(&p, 0.5, 0.5, false, true);
+    OWNED(iso_pyramid) p = pyramid_of(ISO_FIELD_NOISE, 2);
+    OWNED(iso_view) view = view_of(&p, 0.5, 0.5, false, true);
     assert_true(bound_of(&p, 0, &view, &view.tf, 1) == 0);
     assert_true(bound_of(&p, 1, &view, &view.tf, 1) == bound_of(&p, 1, &view, &view.tf, 3));
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* One value everywhere, clear at level 0 and of a small extinction at the "level": C = (g - B)(1 - exp(-tau)). Nothing
@@ -149,50 +143,42 @@ TEST(level_0_against_itself_is_0_and_threads_change_nothing)
  * tight, and half of it, the planted fault, would be exceeded. */
 TEST(a_thin_fog_has_a_tight_bound)
 {
-    iso_pyramid p = pyramid_of(ISO_FIELD_CONSTANT, 1);
-    iso_view view = view_of(&p, 0.5, 0, true, false);
+    OWNED(iso_pyramid) p = pyramid_of(ISO_FIELD_CONSTANT, 1);
+    OWNED(iso_view) view = view_of(&p, 0.5, 0, true, false);
     float *clear = view.tf.entries, fog[8] = {1, 1, 1, 0.02f, 1, 1, 1, 0.02f}, nothing[8] = {0};
     view.tf = (iso_tf_table){.count = 2, .lo = 0, .hi = 1, .entries = nothing};
     const iso_tf_table level_tf = {.count = 2, .lo = 0, .hi = 1, .entries = fog};
-    iso_image finest = draw(&p, 0, &view);
+    OWNED(iso_image) finest = draw(&p, 0, &view);
     const double most = bound_of(&p, 0, &view, &level_tf, 1);
     view.tf = level_tf;
-    iso_image image = draw(&p, 0, &view);
+    OWNED(iso_image) image = draw(&p, 0, &view);
     const double measured = measured_rmse(&finest, &image);
     assert_more_than(most, measured);
     assert_more_than(2 * measured, most);
     view.tf = (iso_tf_table){.count = 2, .lo = 0, .hi = 1, .entries = nothing};
     assert_within(along_rays(&p, 0, &view, &level_tf) / measured, 1, 0.01); /* one sign: nothing is added up */
-    iso_image_destroy(&finest);
-    iso_image_destroy(&image);
     view.tf.entries = clear;
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* Regions of one voxel instead of two: closer, and no image is above it. */
 TEST(more_points_make_it_closer)
 {
-    iso_pyramid p = pyramid_of(ISO_FIELD_NOISE, 2);
-    iso_view view = view_of(&p, 0.5, 0.5, true, false);
+    OWNED(iso_pyramid) p = pyramid_of(ISO_FIELD_NOISE, 2);
+    OWNED(iso_view) view = view_of(&p, 0.5, 0.5, true, false);
     view.width = view.height = 2 * PIXELS; /* pixels smaller than a voxel, which blocks cannot be smaller than */
     iso_image_bound_input in = input_of(&p, 1, &view, &view.tf);
-    iso_image finest = draw(&p, 0, &view), image = draw(&p, 1, &view);
+    OWNED(iso_image) finest = draw(&p, 0, &view), image = draw(&p, 1, &view);
     double close = NAN;
     in.points = 4;
     assert_ok(iso_image_bound_rmse(&in, &close, &err));
     assert_more_than(close, measured_rmse(&finest, &image));
     assert_more_than(0.9 * bound_of(&p, 1, &view, &view.tf, 1), close);
-    iso_image_destroy(&finest);
-    iso_image_destroy(&image);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(what_it_does_not_hold_for_is_refused)
 {
-    iso_pyramid p = pyramid_of(ISO_FIELD_NOISE, 2);
-    iso_view view = view_of(&p, 0.5, 0.5, true, false);
+    OWNED(iso_pyramid) p = pyramid_of(ISO_FIELD_NOISE, 2);
+    OWNED(iso_view) view = view_of(&p, 0.5, 0.5, true, false);
     iso_image_bound_input in = {.fine = p.levels, .coarse = p.levels + 1, .level = 1, .view = &view};
     double rmse;
     in.coarse_tf = &view.tf;
@@ -200,8 +186,6 @@ TEST(what_it_does_not_hold_for_is_refused)
     assert_status(iso_image_bound_rmse(&in, &rmse, &err), ISO_E_RANGE);
     assert_status(iso_image_bound_without_signs(&in, &rmse, &err), ISO_E_RANGE);
     view.clip_count = 0;
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -39,34 +39,29 @@ static char *make_file(const char *name)
 /* The first test: nothing is watched yet. */
 TEST(a_program_may_save_what_it_has_loaded)
 {
-    char *path = make_file("a");
+    FREED char *path = make_file("a");
     assert_ok(iso_inputs_note(path, &err));
     assert_ok(iso_file_write(path, "b", 1, &err));
-    free(path);
     iso_inputs_watch();
 }
 
 TEST(an_output_that_was_announced_is_no_input)
 {
-    char *path = make_file("b"), *link = iso_path_join(folder, "link");
+    FREED char *path = make_file("b"), *link = iso_path_join(folder, "link");
     assert_int_equal(symlink(path, link), 0);
     assert_ok(iso_inputs_announce(path, &err));
     assert_status(iso_inputs_note(link, &err), ISO_E_USAGE);
-    free(link);
-    free(path);
 }
 
 TEST(nor_is_an_input_an_output_later)
 {
-    char *path = make_file("c"), *other = iso_path_join(folder, "hard");
+    FREED char *path = make_file("c"), *other = iso_path_join(folder, "hard");
     assert_int_equal(link(path, other), 0);
     assert_ok(iso_inputs_note(path, &err));
     assert_ok(iso_inputs_note(path, &err));
     assert_status(iso_inputs_announce(other, &err), ISO_E_USAGE);
     assert_status(iso_inputs_check(other, &err), ISO_E_USAGE);
     assert_status(iso_file_write(other, "", 0, &err), ISO_E_USAGE);
-    free(other);
-    free(path);
 }
 
 /* Also one that is not there yet, by a link to the folder, and one that was announced before. */
@@ -90,39 +85,34 @@ TEST(nothing_in_a_folder_that_is_read_is_an_output)
 
 TEST(what_is_not_there_is_neither)
 {
-    char *path = iso_path_join(folder, "nothing");
+    FREED char *path = iso_path_join(folder, "nothing");
     assert_ok(iso_inputs_announce(path, &err));
     assert_ok(iso_inputs_note(path, &err));
     assert_ok(iso_inputs_note(folder, &err));
     assert_ok(iso_inputs_check(path, &err));
-    free(path);
 }
 
 /* What a command writes and reads again, such as a scene beside a report. */
 TEST(an_output_that_was_written_may_be_read)
 {
-    char *path = make_file("d");
+    FREED char *path = make_file("d");
     assert_ok(iso_inputs_announce(path, &err));
     assert_ok(iso_file_write(path, "new", 3, &err));
     assert_ok(iso_inputs_note(path, &err));
-    free(path);
 }
 
 TEST(a_folder_is_not_replaced_where_a_file_of_it_is_read)
 {
     iso_output out;
-    char *path = iso_path_join(folder, "dir"), *file = iso_path_join(path, "marker");
+    FREED char *path = iso_path_join(folder, "dir"), *file = iso_path_join(path, "marker");
     for (int run = 0; run < 2; ++run) { /* the second replaces the first */
         assert_ok(iso_output_begin_dir(&out, path, "marker", &err));
-        char *inside = iso_path_join(out.temp_path, "marker");
+        FREED char *inside = iso_path_join(out.temp_path, "marker");
         assert_ok(iso_file_write(inside, "", 0, &err));
         assert_ok(iso_output_commit(&out, &err));
-        free(inside);
     }
     assert_ok(iso_inputs_note(file, &err));
     assert_status(iso_output_begin_dir(&out, path, "marker", &err), ISO_E_USAGE);
-    free(file);
-    free(path);
 }
 
 TEST(threads_note_at_once)

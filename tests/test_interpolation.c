@@ -68,7 +68,7 @@ TEST(gather_is_what_the_sampler_shows)
     {
         iso_geometry fine;
         const iso_level l = level_of(&g, level, &fine);
-        iso_sampler sampler;
+        OWNED(iso_sampler) sampler;
         assert_ok(iso_sampler_create(&sampler, &l, (iso_code){0}, ISO_FROM_ON_THE_FLY, &err));
         assert_ok(iso_interpolation_gather(&g.map, g.coarse, g.fine, 0, &err));
         size_t i = 0;
@@ -80,7 +80,6 @@ TEST(gather_is_what_the_sampler_shows)
                     /* three blends of numbers below 1 in float */
                     assert_within((double)g.fine[i], iso_sample_scalar(&sampler, index), 4e-7);
                 }
-        iso_sampler_destroy(&sampler);
     }
 }
 
@@ -89,7 +88,8 @@ TEST(scatter_is_the_transpose_of_gather)
     grids g;
     FOR_ALL_GRIDS(g)
     {
-        float *shown = malloc(g.map.fine_count * sizeof *shown), *back = malloc(g.map.coarse_count * sizeof *back);
+        FREED float *shown = malloc(g.map.fine_count * sizeof *shown),
+                    *back = malloc(g.map.coarse_count * sizeof *back);
         assert_ok(iso_interpolation_gather(&g.map, g.coarse, shown, 0, &err));
         assert_ok(iso_interpolation_scatter(&g.map, g.fine, back, 0, &err));
         double left = 0, right = 0, scale = 0;
@@ -100,8 +100,6 @@ TEST(scatter_is_the_transpose_of_gather)
         for (size_t i = 0; i < g.map.coarse_count; ++i)
             right += (double)g.coarse[i] * (double)back[i];
         assert_within(left, right, 1e-6 * scale); /* sums in float, of up to 32 terms along each axis */
-        free(shown);
-        free(back);
     }
 }
 
@@ -132,14 +130,12 @@ TEST(threads_do_not_matter)
     FOR_ALL_GRIDS(g)
     {
         const size_t bytes = g.map.coarse_count * sizeof(float);
-        float *one = malloc(bytes), *many = malloc(bytes);
+        FREED float *one = malloc(bytes), *many = malloc(bytes);
         assert_ok(iso_interpolation_scatter(&g.map, g.fine, one, 1, &err));
         for (int threads = 2; threads <= 7; threads += 5) {
             assert_ok(iso_interpolation_scatter(&g.map, g.fine, many, threads, &err));
             assert_memory_equal(one, many, bytes);
         }
-        free(one);
-        free(many);
     }
 }
 
@@ -179,7 +175,7 @@ TEST(runs_that_are_not_wanted_count_as_zero)
             out[o] = malloc(coarse * sizeof(float)), expected[o] = malloc(coarse * sizeof(float));
             shown[o] = malloc(map->fine_count * sizeof(float)), fine[o] = malloc(map->fine_count * sizeof(float));
         }
-        uint8_t *wanted = malloc(runs);
+        FREED uint8_t *wanted = malloc(runs);
         for (size_t r = 0; r < runs; ++r)
             wanted[r] = iso_random_unit(&random) < 0.4;
         const float *inputs[2] = {g.coarse, second};
@@ -210,7 +206,6 @@ TEST(runs_that_are_not_wanted_count_as_zero)
         for (int o = 0; o < 2; ++o)
             free(out[o]), free(expected[o]), free(shown[o]), free(fine[o]);
         free(second);
-        free(wanted);
     }
 }
 

@@ -62,23 +62,21 @@ static void assert_equals_direct_sum(const iso_pyramid *p, size_t level, const i
 
 TEST(histograms_equal_a_direct_sum_of_trilinear_lookups)
 {
-    iso_pyramid p = random_pyramid(21, 14, 11, ISO_U8, 3);
+    OWNED(iso_pyramid) p = random_pyramid(21, 14, 11, ISO_U8, 3);
     for (size_t level = 1; level < p.level_count; ++level) {
-        iso_joint j;
+        OWNED(iso_joint) j;
         assert_ok(iso_joint_compute(&p, level, 8, ISO_SECOND_VALUE_NONE, 2, &j, &err));
         assert_equals_direct_sum(&p, level, &j);
-        iso_joint_destroy(&j);
     }
-    iso_pyramid_destroy(&p);
 }
 
 /* How many voxels were counted elsewhere than by a lookup in double precision, of one level of two-bit values. */
 static size_t misplaced_count(size_t level)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){37, 22, 19}, (double[]){1, 1, 1});
-    iso_volume v;
-    iso_pyramid p;
-    iso_joint j;
+    OWNED(iso_volume) v;
+    OWNED(iso_pyramid) p;
+    OWNED(iso_joint) j;
     iso_random random = {5};
     assert_ok(iso_volume_create(&v, &g, ISO_U8, "v", &err));
     for (size_t i = 0; i < 37 * 22 * 19; ++i)
@@ -86,11 +84,8 @@ static size_t misplaced_count(size_t level)
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = level + 1;
     assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     assert_ok(iso_joint_compute(&p, level, 8, ISO_SECOND_VALUE_NONE, 2, &j, &err));
     size_t sum = misplaced(&p, level, &j);
-    iso_joint_destroy(&j);
-    iso_pyramid_destroy(&p);
     return sum;
 }
 
@@ -102,9 +97,9 @@ TEST(coarser_levels_are_looked_up_the_same)
 
 TEST(histograms_of_twelve_and_sixteen_bits_count_the_same)
 {
-    iso_pyramid p = random_pyramid(13, 10, 7, ISO_U16, 2);
+    OWNED(iso_pyramid) p = random_pyramid(13, 10, 7, ISO_U16, 2);
     for (int bits = 12; bits <= 16; bits += 4) { /* 12: tables; 16: hash maps */
-        iso_joint j;
+        OWNED(iso_joint) j;
         assert_ok(iso_joint_compute(&p, 1, bits, ISO_SECOND_VALUE_NONE, 2, &j, &err));
         assert_within(j.z.step, 1, 0); /* 3000 values fit */
         assert_true(j.z.count == (size_t)1 << bits && j.s.count == 4096);
@@ -117,9 +112,7 @@ TEST(histograms_of_twelve_and_sixteen_bits_count_the_same)
         assert_int_equal(sum, 13 * 10 * 7);
         if (bits == 12)
             assert_equals_direct_sum(&p, 1, &j);
-        iso_joint_destroy(&j);
     }
-    iso_pyramid_destroy(&p);
 }
 
 static void assert_same_joint(const iso_joint *a, const iso_joint *b)
@@ -133,7 +126,7 @@ static void assert_same_joint(const iso_joint *a, const iso_joint *b)
 
 TEST(counts_do_not_depend_on_threads_or_slabs)
 {
-    iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
+    OWNED(iso_pyramid) p = random_pyramid(17, 9, 13, ISO_U8, 3);
     const size_t *n = p.levels[0].geometry.size, *m = p.levels[2].geometry.size;
     iso_joint whole, other;
     assert_ok(iso_joint_compute(&p, 2, 8, ISO_SECOND_VALUE_NONE, 1, &whole, &err));
@@ -154,13 +147,12 @@ TEST(counts_do_not_depend_on_threads_or_slabs)
     assert_same_joint(&whole, &other);
     iso_joint_destroy(&other);
     iso_joint_destroy(&whole);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(stored_histograms_come_back_and_foreign_ones_are_refused)
 {
-    char *dir = iso_make_temp_dir();
-    iso_pyramid p = random_pyramid(17, 9, 13, ISO_U8, 3);
+    FREED char *dir = iso_make_temp_dir();
+    OWNED(iso_pyramid) p = random_pyramid(17, 9, 13, ISO_U8, 3);
     for (int bits = 8; bits <= 12; bits += 4) { /* dense, then sparse */
         iso_joint j, back;
         assert_ok(iso_joint_compute(&p, 1, bits, ISO_SECOND_VALUE_NONE, 1, &j, &err));
@@ -182,9 +174,7 @@ TEST(stored_histograms_come_back_and_foreign_ones_are_refused)
                       ISO_E_IO);
         iso_joint_destroy(&j);
     }
-    iso_pyramid_destroy(&p);
     iso_remove_tree(dir);
-    free(dir);
 }
 
 TEST_MAIN(NULL, NULL)

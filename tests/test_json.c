@@ -26,12 +26,11 @@ static char *saved(json_t *root)
 static double read_back(double value)
 {
     json_t *root = json_pack("{s:f}", "a", value), *again = NULL;
-    char *text = saved(root);
+    FREED char *text = saved(root);
     iso_error err = {""};
     assert_int_equal(iso_json_parse("a.json", text, strlen(text), &again, &err), ISO_OK);
     assert_true(json_is_real(json_object_get(again, "a")));
     const double result = json_real_value(json_object_get(again, "a"));
-    free(text);
     json_decref(root);
     json_decref(again);
     return result;
@@ -64,10 +63,9 @@ TEST(texts_stay_and_numbers_are_short)
 {
     json_t *root = json_pack("{s:s, s:f, s:i, s:[f, f]}", "1.10000000000000001", "\"0.10000000000000001\\", "b", 0.1, "c", 12, "d",
                              6.500000000000001, (double)0.7f);
-    char *text = saved(root);
+    FREED char *text = saved(root);
     assert_string_equal(text, "{\n  \"1.10000000000000001\": \"\\\"0.10000000000000001\\\\\",\n  \"b\": 0.1,\n  \"c\": 12,\n"
                               "  \"d\": [\n    6.5,\n    0.699999988\n  ]\n}\n");
-    free(text);
     json_decref(root);
 }
 

@@ -42,31 +42,28 @@ static char *path_of(const char *name)
 /* As another program: ours writes over no input. */
 static void write_text(const char *name, const char *text)
 {
-    char *path = path_of(name);
+    FREED char *path = path_of(name);
     FILE *f = fopen(path, "w");
     assert_true(f && fputs(text, f) >= 0);
     assert_int_equal(fclose(f), 0);
-    free(path);
 }
 
 /* The same inode, size and time of the last change of its content. */
 static void overwrite_in_place(const char *name, off_t at, const char *text)
 {
-    char *path = path_of(name);
+    FREED char *path = path_of(name);
     struct stat st;
     const int fd = open(path, O_WRONLY);
     assert_true(fd >= 0 && fstat(fd, &st) == 0);
     assert_int_equal(pwrite(fd, text, strlen(text), at), strlen(text));
     assert_int_equal(futimens(fd, (const struct timespec[]){st.st_atim, st.st_mtim}), 0);
     close(fd);
-    free(path);
 }
 
 static void note(const char *name)
 {
-    char *path = path_of(name);
+    FREED char *path = path_of(name);
     assert_ok(iso_path_is_dir(path) ? iso_inputs_note_folder(path, &err) : iso_inputs_note(path, &err));
-    free(path);
 }
 
 static iso_key *make_key(void)
@@ -102,10 +99,8 @@ static void add_chunk(void)
 }
 static void rename_chunk(void)
 {
-    char *from = path_of("v.zarr/0.1"), *to = path_of("v.zarr/1.0");
+    FREED char *from = path_of("v.zarr/0.1"), *to = path_of("v.zarr/1.0");
     assert_int_equal(rename(from, to), 0);
-    free(from);
-    free(to);
 }
 static void change_variable(void)
 {
@@ -204,9 +199,8 @@ TEST(a_file_that_is_touched_or_written_again_is_the_same)
     char why[256];
     iso_key *key = make_key();
     json_t *stored = iso_key_to_json(key);
-    char *path = path_of("v.raw");
+    FREED char *path = path_of("v.raw");
     unlink(path);
-    free(path);
     write_text("v.raw", "abcXefgh"); /* perhaps another inode, the same bytes */
     iso_key *now = make_key();
     assert_false(iso_key_differs(now, stored, why, sizeof why));
@@ -236,14 +230,13 @@ TEST(an_input_more_or_less_is_noticed)
 
 TEST(an_input_that_is_gone_is_an_error)
 {
-    char *path = path_of("w.raw");
+    FREED char *path = path_of("w.raw");
     unlink(path);
     iso_key *key = iso_key_create();
     iso_error why = {""};
     assert_int_equal(iso_key_add_surroundings(key, &why), ISO_E_IO);
     assert_non_null(strstr(why.text, "w.raw: cannot be read"));
     iso_key_destroy(key);
-    free(path);
 }
 
 TEST(values_and_paths_are_not_readable)
@@ -251,9 +244,8 @@ TEST(values_and_paths_are_not_readable)
     iso_key *key = iso_key_create();
     iso_key_add_text(key, "--scene", "/home/somebody/secret.scene.json");
     json_t *parts = iso_key_to_json(key);
-    char *text = json_dumps(parts, 0);
+    FREED char *text = json_dumps(parts, 0);
     assert_null(strstr(text, "secret"));
-    free(text);
     json_decref(parts);
     iso_key_destroy(key);
 }

@@ -123,13 +123,12 @@ TEST(a_slab_of_two_labels_has_its_closed_form)
                  {"cycles", false, 2e-6}};
     iso_level level = make_slab();
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        iso_image image;
+        OWNED(iso_image) image;
         assert_ok(draw(cases[i].renderer, &level, cases[i].exact, &image, &err));
         const double far = farthest(&image);
         if (!(far <= cases[i].tolerance))
             print_error("%s, exact %d: %g from the closed form\n", cases[i].renderer, cases[i].exact, far);
         assert_true(far <= cases[i].tolerance);
-        iso_image_destroy(&image);
     }
     free_slab(&level);
 }
@@ -161,10 +160,9 @@ TEST(interpolated_labels_are_far_from_it)
     level.labels = false;
     static const char *const names[] = {"reference", "gl", "povray", "cycles"};
     for (int i = 0; i < 4; ++i) {
-        iso_image image;
+        OWNED(iso_image) image;
         assert_ok(draw(names[i], &level, false, &image, &err));
         assert_true(farthest(&image) > 0.1);
-        iso_image_destroy(&image);
     }
     free_slab(&level);
 }
@@ -211,14 +209,14 @@ TEST(coarse_labels_are_majorities)
     const iso_geometry g = iso_geometry_axis_aligned(size, spacing);
     static const iso_direction_filter filters[] = {ISO_DIRECTION_MOMENTS, ISO_DIRECTION_EQ1};
     uint32_t seed = 7;
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_U8, "labels", &err));
     for (size_t i = 0; i < 13 * 9 * 11; ++i) {
         seed = seed * 1664525u + 1013904223u;
         ((uint8_t *)v.data)[i] = (uint8_t)((seed >> 24) % 3 * 3);
     }
     for (size_t f = 0; f < 2; ++f) {
-        iso_pyramid p;
+        OWNED(iso_pyramid) p;
         iso_pyramid_options opt = iso_pyramid_defaults();
         opt.level_count = 4;
         opt.scalar_filter = ISO_SCALAR_MAJORITY;
@@ -232,9 +230,7 @@ TEST(coarse_labels_are_majorities)
                     for (size_t x = 0; x < n[0]; ++x)
                         assert_true(label_at(&p.levels[k], x, y, z) == vote(&p.levels[k - 1], x, y, z));
         }
-        iso_pyramid_destroy(&p);
     }
-    iso_volume_destroy(&v);
 }
 
 /* ---- what is a label map ---- */
@@ -313,13 +309,12 @@ TEST(floats_are_no_labels)
     const double spacing[3] = {1, 1, 1};
     const iso_geometry g = iso_geometry_axis_aligned(size, spacing);
     iso_label_facts facts;
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "test", &err));
     for (int i = 0; i < SIDE * SIDE * SIDE; ++i)
         ((float *)v.data)[i] = (float)labels(i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE);
     assert_ok(iso_labels_look_at(&v, true, &facts, &err));
     assert_false(facts.is_map);
-    iso_volume_destroy(&v);
 }
 
 static iso_label_facts look_at(value_of value, bool all)
@@ -328,12 +323,11 @@ static iso_label_facts look_at(value_of value, bool all)
     const double spacing[3] = {1, 1, 1};
     const iso_geometry g = iso_geometry_axis_aligned(size, spacing);
     iso_label_facts facts;
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_I16, "test", &err));
     for (int i = 0; i < SIDE * SIDE * SIDE; ++i)
         ((int16_t *)v.data)[i] = (int16_t)value(i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE);
     assert_ok(iso_labels_look_at(&v, all, &facts, &err));
-    iso_volume_destroy(&v);
     return facts;
 }
 

@@ -38,9 +38,8 @@ static int is_advised(const void *p)
 /* Kernels without huge pages refuse the advice, and then show none. */
 static bool kernel_takes_advice(void)
 {
-    void *p = aligned_alloc(HUGE_PAGE, 2 * HUGE_PAGE);
+    FREED void *p = aligned_alloc(HUGE_PAGE, 2 * HUGE_PAGE);
     const bool takes = p && madvise(p, 2 * HUGE_PAGE, MADV_HUGEPAGE) == 0 && is_advised(p) == 1;
-    free(p);
     return takes;
 }
 
@@ -50,9 +49,8 @@ static bool begins_on_a_huge_page(allocator *alloc)
     static const size_t sizes[] = {4 * MIB, 4 * MIB + 1, 7 * MIB + 3};
     bool aligned = true;
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
-        void *p = alloc(sizes[i]);
+        FREED void *p = alloc(sizes[i]);
         aligned = aligned && p && (uintptr_t)p % HUGE_PAGE == 0;
-        free(p);
     }
     return aligned;
 }
@@ -61,9 +59,8 @@ static bool begins_on_a_huge_page(allocator *alloc)
 static bool asks_for_huge_pages(allocator *alloc)
 {
     const size_t bytes = 9 * MIB + 5;
-    char *p = alloc(bytes);
+    FREED char *p = alloc(bytes);
     const bool asks = p && is_advised(p) == 1 && is_advised(p + bytes / HUGE_PAGE * HUGE_PAGE - 1) == 1;
-    free(p);
     return asks;
 }
 

@@ -201,7 +201,7 @@ TEST(lattice_without_its_halo_or_a_node_is_seen_to_differ)
     iso_lattice_options o = options_of(&s, true, 0);
     assert_ok(iso_lattice_create(&l, &s.field, &o, &err));
     size_t count = l.size[0] * l.size[1] * l.size[2];
-    uint8_t *needed = calloc(count, 1);
+    FREED uint8_t *needed = calloc(count, 1);
     for (size_t z = 0; z + 1 < l.size[2]; ++z)
         for (size_t y = 0; y + 1 < l.size[1]; ++y)
             for (size_t x = 0; x + 1 < l.size[0]; ++x) {
@@ -226,7 +226,7 @@ TEST(lattice_without_its_halo_or_a_node_is_seen_to_differ)
                 for (int c = 0; c < 8 && complete && shows; ++c)
                     needed[corners[c]] = 1;
             }
-    uint8_t *all = calloc(count, 1);
+    FREED uint8_t *all = calloc(count, 1);
     assert_non_null(all);
     for (size_t i = 0; i < count; ++i) {
         uint8_t *active = activity_of(&l, i);
@@ -243,8 +243,6 @@ TEST(lattice_without_its_halo_or_a_node_is_seen_to_differ)
             *active = all[i] && i % 50 != 0; /* one in fifty */
     }
     assert_more_than(largest_difference(&s, &l, true, &shown), 0.05);
-    free(all);
-    free(needed);
     iso_lattice_destroy(&l);
     destroy_scene(&s);
 }

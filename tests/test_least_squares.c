@@ -58,17 +58,15 @@ static double *lookup_matrix(const iso_geometry *fine, size_t k, size_t *m)
     const size_t n = iso_geometry_voxel_count(fine);
     *m = iso_geometry_voxel_count(&g);
     double *a = calloc(n * *m, sizeof *a);
-    float *one = calloc(*m, sizeof *one);
+    FREED float *one = calloc(*m, sizeof *one);
     iso_level l;
-    iso_sampler s = sampler_of(&l, &g, one);
+    OWNED(iso_sampler) s = sampler_of(&l, &g, one);
     for (size_t j = 0; j < *m; ++j) {
         one[j] = 1;
         for (size_t i = 0; i < n; ++i)
             a[i * *m + j] = shown_at(&s, fine, i, k);
         one[j] = 0;
     }
-    iso_sampler_destroy(&s);
-    free(one);
     return a;
 }
 
@@ -76,7 +74,7 @@ static double *lookup_matrix(const iso_geometry *fine, size_t k, size_t *m)
  * c, columns of m. */
 static void solve_densely(const double *a, size_t n, size_t m, const double *v, size_t count, double *c)
 {
-    double *g = calloc(m * m, sizeof *g);
+    FREED double *g = calloc(m * m, sizeof *g);
     for (size_t i = 0; i < n; ++i)
         for (size_t p = 0; p < m; ++p)
             for (size_t q = 0; a[i * m + p] != 0 && q <= p; ++q)
@@ -104,7 +102,6 @@ static void solve_densely(const double *a, size_t n, size_t m, const double *v, 
             x[p] /= g[p * m + p];
         }
     }
-    free(g);
 }
 
 /* The largest difference of a level from the dense solution, as a part of the largest value. */
@@ -135,16 +132,14 @@ TEST(levels_are_the_dense_solutions)
 {
     for (size_t n = 2; n <= 17; ++n)
         for (int axis = 0; axis < 3; ++axis) {
-            iso_volume v = noise(axis == 0 ? n : 5, axis == 1 ? n : axis == 0 ? 3 : 5, axis == 2 ? n : 3);
+            OWNED(iso_volume) v = noise(axis == 0 ? n : 5, axis == 1 ? n : axis == 0 ? 3 : 5, axis == 2 ? n : 3);
             const iso_pyramid_options opt = least_squares(4);
-            iso_pyramid p = build(&v, &opt);
+            OWNED(iso_pyramid) p = build(&v, &opt);
             for (size_t k = 1; k < p.level_count; ++k) {
                 assert_at_most(difference(&v, k, &p.levels[k], 1), FLOAT_TOLERANCE);
                 /* Planted: a border row that is not clamped as the renderers clamp it. */
                 assert_more_than(difference(&v, k, &p.levels[k], 0.75), 1e-3);
             }
-            iso_pyramid_destroy(&p);
-            iso_volume_destroy(&v);
         }
 }
 
@@ -152,13 +147,11 @@ TEST(many_planes_are_solved_in_blocks_as_in_one_piece)
 {
     static const size_t depths[] = {80, 93, 127};
     for (size_t d = 0; d < 3; ++d) {
-        iso_volume v = noise(3, 2, depths[d]);
+        OWNED(iso_volume) v = noise(3, 2, depths[d]);
         const iso_pyramid_options opt = least_squares(3);
-        iso_pyramid p = build(&v, &opt);
+        OWNED(iso_pyramid) p = build(&v, &opt);
         for (size_t k = 1; k < p.level_count; ++k)
             assert_at_most(difference(&v, k, &p.levels[k], 1), FLOAT_TOLERANCE);
-        iso_pyramid_destroy(&p);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -166,14 +159,12 @@ TEST(many_planes_are_solved_in_blocks_as_in_one_piece)
 TEST(high_levels_are_the_dense_solutions)
 {
     for (int axis = 0; axis < 3; ++axis) {
-        iso_volume v = noise(axis == 0 ? 137 : 37, axis == 1 ? 150 : 5, axis == 2 ? 161 : 3);
+        OWNED(iso_volume) v = noise(axis == 0 ? 137 : 37, axis == 1 ? 150 : 5, axis == 2 ? 161 : 3);
         const iso_pyramid_options opt = least_squares(8);
-        iso_pyramid p = build(&v, &opt);
+        OWNED(iso_pyramid) p = build(&v, &opt);
         assert_true(p.level_count > 6);
         for (size_t k = 4; k < p.level_count; ++k)
             assert_at_most(difference(&v, k, &p.levels[k], 1), FLOAT_TOLERANCE);
-        iso_pyramid_destroy(&p);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -205,13 +196,12 @@ TEST(an_apron_of_12_is_enough_and_of_6_is_not)
 static double residual(const iso_volume *v, const iso_pyramid *p, size_t k)
 {
     iso_level l;
-    iso_sampler s = sampler_of(&l, &p->levels[k].geometry, p->levels[k].scalar);
+    OWNED(iso_sampler) s = sampler_of(&l, &p->levels[k].geometry, p->levels[k].scalar);
     double sum = 0;
     for (size_t i = 0; i < iso_geometry_voxel_count(&v->geometry); ++i) {
         const double d = shown_at(&s, &v->geometry, i, k) - (double)((const float *)v->data)[i];
         sum += d * d;
     }
-    iso_sampler_destroy(&s);
     return sum;
 }
 
@@ -230,16 +220,16 @@ TEST(the_residual_is_at_most_that_of_the_means)
     static const size_t sizes[][3] = {{16, 16, 16}, {17, 13, 9}, {9, 23, 10}, {5, 6, 31}};
     for (size_t t = 0; t < 4; ++t)
         for (int what = 0; what < 4; ++what) {
-            iso_volume v = empty(sizes[t][0], sizes[t][1], sizes[t][2]);
+            OWNED(iso_volume) v = empty(sizes[t][0], sizes[t][1], sizes[t][2]);
             for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i) {
                 size_t at[3];
                 place(&v.geometry, i, at);
                 ((float *)v.data)[i] = (float)sample(what, at, i);
             }
             iso_pyramid_options opt = least_squares(4);
-            iso_pyramid p = build(&v, &opt);
+            OWNED(iso_pyramid) p = build(&v, &opt);
             opt.scalar_filter = ISO_SCALAR_MEAN;
-            iso_pyramid means = build(&v, &opt);
+            OWNED(iso_pyramid) means = build(&v, &opt);
             for (size_t k = 1; k < p.level_count; ++k) {
                 assert_at_most(residual(&v, &p, k), residual(&v, &means, k));
                 /* Planted: it is not so of a level that is a little off. */
@@ -248,9 +238,6 @@ TEST(the_residual_is_at_most_that_of_the_means)
                     p.levels[k].scalar[i] += 0.01f;
                 assert_more_than(residual(&v, &p, k), best);
             }
-            iso_pyramid_destroy(&p);
-            iso_pyramid_destroy(&means);
-            iso_volume_destroy(&v);
         }
 }
 
@@ -259,24 +246,20 @@ TEST(what_a_level_can_show_is_given_back)
     static const size_t sizes[][3] = {{16, 24, 8}, {17, 13, 11}, {9, 30, 43}};
     for (size_t t = 0; t < 3; ++t)
         for (size_t k = 1; k <= 3; ++k) {
-            iso_volume v = empty(sizes[t][0], sizes[t][1], sizes[t][2]);
+            OWNED(iso_volume) v = empty(sizes[t][0], sizes[t][1], sizes[t][2]);
             const iso_geometry g = coarser_by(&v.geometry, k);
             const size_t m = iso_geometry_voxel_count(&g);
-            float *c = malloc(m * sizeof *c);
+            FREED float *c = malloc(m * sizeof *c);
             for (size_t j = 0; j < m; ++j)
                 c[j] = (float)noise_at(j);
             iso_level l;
-            iso_sampler s = sampler_of(&l, &g, c);
+            OWNED(iso_sampler) s = sampler_of(&l, &g, c);
             for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i)
                 ((float *)v.data)[i] = (float)shown_at(&s, &v.geometry, i, k);
             const iso_pyramid_options opt = least_squares(4);
-            iso_pyramid p = build(&v, &opt);
+            OWNED(iso_pyramid) p = build(&v, &opt);
             for (size_t j = 0; j < m; ++j) /* as FLOAT_TOLERANCE; outermost coefficients of odd sizes times 5 an axis */
                 assert_within(p.levels[k].scalar[j], c[j], 2e-5);
-            iso_sampler_destroy(&s);
-            iso_pyramid_destroy(&p);
-            iso_volume_destroy(&v);
-            free(c);
         }
 }
 
@@ -290,7 +273,7 @@ TEST(linear_fields_are_exact_but_for_clamping)
     for (size_t k = 1; k <= 2; ++k)
         for (int clamped = 0; clamped <= 1; ++clamped) {
             const double ratio = ldexp(1, (int)k);
-            iso_volume v = empty(N, 5 * 4, 6 * 4);
+            OWNED(iso_volume) v = empty(N, 5 * 4, 6 * 4);
             for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i) {
                 size_t at[3];
                 double sum = 0;
@@ -303,7 +286,7 @@ TEST(linear_fields_are_exact_but_for_clamping)
                 ((float *)v.data)[i] = (float)sum;
             }
             const iso_pyramid_options opt = least_squares(3);
-            iso_pyramid p = build(&v, &opt);
+            OWNED(iso_pyramid) p = build(&v, &opt);
             const iso_level *l = &p.levels[k];
             double worst[N] = {0};
             for (size_t j = 0; j < iso_geometry_voxel_count(&l->geometry); ++j) {
@@ -320,8 +303,6 @@ TEST(linear_fields_are_exact_but_for_clamping)
                 assert_at_most(worst[d], rounding + (clamped ? 0 : 0.2 * ratio * pow(3, -(double)d)));
             if (!clamped)
                 assert_more_than(worst[0], 0.05 * ratio);
-            iso_pyramid_destroy(&p);
-            iso_volume_destroy(&v);
         }
 }
 
@@ -359,14 +340,14 @@ TEST(an_axis_stretches_the_range_2_2_times_and_its_overhanging_end_6_times)
 
 TEST(values_overshoot_by_no_more_and_the_level_says_so)
 {
-    iso_volume v = empty(19, 14, 16);
+    OWNED(iso_volume) v = empty(19, 14, 16);
     for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i) {
         size_t at[3];
         place(&v.geometry, i, at);
         ((float *)v.data)[i] = at[0] + at[1] < 15 ? 0 : 1;
     }
     const iso_pyramid_options opt = least_squares(4);
-    iso_pyramid p = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     for (size_t k = 1; k < p.level_count; ++k) {
         const iso_level *l = &p.levels[k];
         double lo = INFINITY, hi = -INFINITY, norm = 1;
@@ -381,23 +362,19 @@ TEST(values_overshoot_by_no_more_and_the_level_says_so)
         assert_at_most(hi, 0.5 + norm / 2);
         assert_at_most(-lo, norm / 2 - 0.5);
     }
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST(a_constant_stays_one)
 {
-    iso_volume v = empty(21, 10, 70);
+    OWNED(iso_volume) v = empty(21, 10, 70);
     for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i)
         ((float *)v.data)[i] = 1000;
     const iso_pyramid_options opt = least_squares(4);
-    iso_pyramid p = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     for (size_t k = 1; k < p.level_count; ++k) {
         assert_within(p.levels[k].min, 1000, 1000 * FLOAT_TOLERANCE);
         assert_within(p.levels[k].max, 1000, 1000 * FLOAT_TOLERANCE);
     }
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 /* ---- damped levels ---- */
@@ -431,14 +408,15 @@ TEST(damped_levels_are_means_and_a_part_of_least_squares)
 {
     static const size_t sizes[][3] = {{16, 16, 16}, {17, 13, 9}, {2, 23, 10}, {5, 1, 75}, {40, 66, 3}, {37, 150, 5}};
     for (size_t t = 0; t < 6; ++t) {
-        iso_volume v = noise(sizes[t][0], sizes[t][1], sizes[t][2]);
+        OWNED(iso_volume) v = noise(sizes[t][0], sizes[t][1], sizes[t][2]);
         for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i) { /* slabs, as noise alone rings little */
             size_t at[3];
             place(&v.geometry, i, at);
             ((float *)v.data)[i] = 0.05f * ((float *)v.data)[i] + ((at[0] + at[1] + at[2]) % 16 > 7 ? 1.f : 0.f);
         }
-        iso_pyramid free_values = with_filter(&v, ISO_SCALAR_LEAST_SQUARES, 8),
-                    damped = with_filter(&v, ISO_SCALAR_DAMPED, 8);
+        OWNED(iso_pyramid)
+        free_values = with_filter(&v, ISO_SCALAR_LEAST_SQUARES, 8),
+        damped = with_filter(&v, ISO_SCALAR_DAMPED, 8);
         size_t outside = 0;
         for (size_t k = 1; k < damped.level_count; ++k)
             for (size_t i = 0; i < iso_geometry_voxel_count(&damped.levels[k].geometry); ++i) {
@@ -455,9 +433,6 @@ TEST(damped_levels_are_means_and_a_part_of_least_squares)
                     assert_true((double)l->scalar[i] >= limits[0] - 1e-6 && (double)l->scalar[i] <= limits[1] + 1e-6);
             }
         assert_true(outside > 0); /* a build that holds nothing is noticed */
-        iso_pyramid_destroy(&free_values);
-        iso_pyramid_destroy(&damped);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -465,7 +440,7 @@ TEST(damped_levels_are_means_and_a_part_of_least_squares)
  * (1 - part)^2: so it is below that of the means. Level 1 is held to ranges, which this volume does not leave. */
 TEST(the_residual_falls_with_the_square_of_what_is_left)
 {
-    iso_volume v = noise(16, 24, 8);
+    OWNED(iso_volume) v = noise(16, 24, 8);
     iso_pyramid p[3];
     static const iso_scalar_filter filters[] = {ISO_SCALAR_MEAN, ISO_SCALAR_LEAST_SQUARES, ISO_SCALAR_DAMPED};
     const double left = 1 - (double)ISO_DAMPED_PART;
@@ -478,17 +453,16 @@ TEST(the_residual_falls_with_the_square_of_what_is_left)
     }
     for (size_t i = 0; i < 3; ++i)
         iso_pyramid_destroy(&p[i]);
-    iso_volume_destroy(&v);
 }
 
 /* Means and least squares give linear fields back where voxels are whole. */
 TEST(linear_fields_are_exact_in_damped_levels)
 {
     enum { N = 64 };
-    iso_volume v = empty(N, N, N);
+    OWNED(iso_volume) v = empty(N, N, N);
     for (size_t i = 0; i < iso_geometry_voxel_count(&v.geometry); ++i)
         ((float *)v.data)[i] = (float)(i % N) - 0.5f * (float)(i / N % N) + 0.25f * (float)(i / N / N);
-    iso_pyramid p = with_filter(&v, ISO_SCALAR_DAMPED, 3);
+    OWNED(iso_pyramid) p = with_filter(&v, ISO_SCALAR_DAMPED, 3);
     for (size_t k = 1; k < 3; ++k)
         for (size_t z = 6; z + 6 < (size_t)N >> k; ++z)
             for (size_t x = 6; x + 6 < (size_t)N >> k; ++x) { /* 6 voxels from a face: 3^-6 of what clamping bends */
@@ -498,23 +472,19 @@ TEST(linear_fields_are_exact_in_damped_levels)
                                         0.25 * ((double)z * ratio + center);
                 assert_within((double)p.levels[k].scalar[(z * m + y) * m + x], expected, 4e-3);
             }
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST(values_whose_levels_may_overflow_are_refused)
 {
-    iso_volume v = noise(6, 5, 4);
+    OWNED(iso_volume) v = noise(6, 5, 4);
     ((float *)v.data)[7] = 3e37f;
     iso_pyramid_options opt = least_squares(2);
-    iso_pyramid p;
+    OWNED(iso_pyramid) p;
     assert_status(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err), ISO_E_RANGE);
     opt.scalar_filter = ISO_SCALAR_MEAN; /* sums of eight */
     assert_status(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err), ISO_E_RANGE);
     ((float *)v.data)[7] = 1e36f;
     assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -32,16 +32,14 @@ static void of_another_volume(iso_pyramid *p, size_t level)
 {
     const iso_field other = field_of(ISO_FIELD_SHELLS);
     iso_pyramid_options opt = iso_pyramid_defaults();
-    iso_volume v;
-    iso_pyramid q;
+    OWNED(iso_volume) v;
+    OWNED(iso_pyramid) q;
     opt.level_count = levels;
     assert_ok(iso_field_sample(&other, ISO_F32, &v, &err));
     assert_ok(iso_pyramid_build(&v, "other", &opt, &q, NULL, &err));
     const size_t count = iso_geometry_voxel_count(&p->levels[level].geometry);
     memcpy(p->levels[level].scalar, q.levels[level].scalar, count * sizeof(float));
     memcpy(p->levels[level].codes, q.levels[level].codes, 3 * count);
-    iso_pyramid_destroy(&q);
-    iso_volume_destroy(&v);
 }
 
 /* The codes of the level above or below at the same indices, as a copy of the wrong file's bytes would have them. */

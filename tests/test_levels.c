@@ -112,7 +112,7 @@ VALUES_TEST(clean_volumes_hold)
     for (size_t i = 0; i < sizeof cleans / sizeof *cleans; ++i) {
         const struct clean *c = &cleans[i];
         subject s;
-        iso_volume volume;
+        OWNED(iso_volume) volume;
         char name[32];
         iso_geometry g = iso_geometry_axis_aligned((size_t[]){34, 30, 27}, c->spacing);
         if (c->oblique)
@@ -133,7 +133,6 @@ VALUES_TEST(clean_volumes_hold)
             assert_within(stored(&s, level, "direction_deg"), 0, 0);
         }
         close_subject(&s);
-        iso_volume_destroy(&volume);
     }
 }
 
@@ -144,7 +143,7 @@ static void turn_directions(iso_pyramid *p, size_t level)
 {
     iso_level *l = &p->levels[level];
     const size_t count = iso_geometry_voxel_count(&l->geometry);
-    float *directions = calloc(3 * count, sizeof *directions);
+    FREED float *directions = calloc(3 * count, sizeof *directions);
     for (size_t i = 0; i < count; ++i) {
         double e[3], d[3];
         iso_code_lattice(p->options.code, l->codes + 3 * i, e);
@@ -156,7 +155,6 @@ static void turn_directions(iso_pyramid *p, size_t level)
         directions[3 * i + 2] = (float)(now.z / length);
     }
     iso_code_encode(p->options.code, directions, l->codes, count);
-    free(directions);
 }
 
 /* Half a voxel along x: the mean of two neighbors. */
@@ -222,7 +220,7 @@ VALUES_TEST(one_value_that_is_slightly_off_fails)
 VALUES_TEST(a_wrong_choice_of_auto_is_named)
 {
     subject s;
-    iso_volume volume;
+    OWNED(iso_volume) volume;
     const iso_geometry geometry = iso_geometry_axis_aligned((size_t[]){48, 48, 48}, (double[]){1, 1, 1});
     const iso_field field = field_of(ISO_FIELD_PLATE, &geometry);
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -243,7 +241,6 @@ VALUES_TEST(a_wrong_choice_of_auto_is_named)
     assert_non_null(strstr(summary.sentence, "build --direction-filter "));
     assert_string_equal(json_string_value(json_object_get(row_of(&s, 1), "chosen_filter")), "tensor");
     close_subject(&s);
-    iso_volume_destroy(&volume);
 }
 
 static iso_report_level row_with(const double own[], const double fly[], size_t views, double asked);
@@ -253,7 +250,7 @@ static double bound_of(const subject *s, size_t level, size_t views)
 {
     double sum = 0;
     for (size_t i = 0; i < views; ++i) {
-        iso_view view = {0};
+        OWNED(iso_view) view = {0};
         double rmse;
         assert_ok(iso_validate_level_view(&s->validation, i, &view, &err));
         const iso_image_bound_input in = {.fine = &s->pyramid.levels[0],
@@ -268,7 +265,6 @@ static double bound_of(const subject *s, size_t level, size_t views)
                                           .threads = 1};
         assert_ok(iso_image_bound_rmse(&in, &rmse, &err));
         sum += rmse / (double)views;
-        iso_view_destroy(&view);
     }
     return sum;
 }
@@ -378,7 +374,7 @@ TEST(figures_that_contradict_each_other_decide_nothing)
     const iso_report_about about = {.title = "mixed"};
     const double own[] = {0.071, 0.081, 0.061, 0.071, 0.091, 0.051},
                  less[] = {0.067, 0.078, 0.056, 0.067, 0.0872, 0.047};
-    char *dir = iso_path_join(folder, "mixed");
+    FREED char *dir = iso_path_join(folder, "mixed");
     iso_report *report;
     iso_report_level row = row_with(own, less, 6, NAN);
     assert_ok(iso_report_create(&report, dir, &about, &err));
@@ -391,7 +387,6 @@ TEST(figures_that_contradict_each_other_decide_nothing)
     row.simple.deficit[ISO_LEVEL_RMSE] = (iso_paired){-0.02, 0.03}; /* within its interval it contradicts nothing */
     assert_int_equal(iso_report_level_verdict(&row), ISO_VERDICT_DIFFER);
     iso_report_destroy(report);
-    free(dir);
 }
 
 /* Student's t at 95 %, as every table has it; the interval of differences 1, 2, 3 is 2 +- 4.303 / sqrt(3). */
@@ -500,14 +495,13 @@ static void turn_along_x(iso_pyramid *p, size_t level, double degrees)
 {
     iso_level *l = &p->levels[level];
     const size_t count = iso_geometry_voxel_count(&l->geometry);
-    float *directions = calloc(3 * count, sizeof *directions);
+    FREED float *directions = calloc(3 * count, sizeof *directions);
     for (size_t i = 0; i < count; ++i) {
         const double angle = degrees * (double)(i % l->geometry.size[0]) * (3.14159265358979323846 / 180);
         directions[3 * i] = (float)cos(angle);
         directions[3 * i + 2] = (float)sin(angle);
     }
     iso_code_encode(p->options.code, directions, l->codes, count);
-    free(directions);
 }
 
 /* A ramp along x, whose directions are along x; level 1's turn by 4 degrees a voxel. Between two voxels the sampled
@@ -517,7 +511,7 @@ TEST(angles_are_those_of_the_place_and_in_degrees)
     enum { n = 20 };
     const double turn = 4;
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){n, 8, 8}, (double[]){1, 1, 1});
-    iso_volume volume;
+    OWNED(iso_volume) volume;
     subject s;
     assert_ok(iso_volume_create(&volume, &g, ISO_F32, "ramp", &err));
     for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i)
@@ -552,7 +546,6 @@ TEST(angles_are_those_of_the_place_and_in_degrees)
     assert_ok(iso_validate_angles(&s.validation, &s.pyramid, 1, ISO_FROM_CODES, &measured, &err));
     assert_within(measured.mean, 180, code_error);
     close_subject(&s);
-    iso_volume_destroy(&volume);
 }
 
 /* ---- more views where these leave a level open ---- */

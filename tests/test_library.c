@@ -33,7 +33,7 @@ static iso_grid ramp_grid(void)
 
 static iso_volume *ramp(void)
 {
-    float *samples = malloc(NX * NY * NZ * sizeof *samples);
+    FREED float *samples = malloc(NX * NY * NZ * sizeof *samples);
     const iso_grid grid = ramp_grid();
     iso_volume *volume = NULL;
     assert_non_null(samples);
@@ -42,7 +42,6 @@ static iso_volume *ramp(void)
             for (size_t x = 0; x < NX; ++x)
                 samples[i++] = (float)(1 * (double)x + 2 * 2 * (double)y + 3 * 0.5 * (double)z);
     assert_ok(iso_volume_from_memory(&grid, "float", samples, &volume, &err));
-    free(samples);
     return volume;
 }
 
@@ -160,7 +159,7 @@ TEST(directions_of_a_level_are_decoded)
     assert_null(level.directions);
     assert_null(level.magnitudes);
     const size_t count = level.grid.size[0] * level.grid.size[1] * level.grid.size[2];
-    float *directions = malloc(3 * count * sizeof *directions), *again = malloc(3 * count * sizeof *again);
+    FREED float *directions = malloc(3 * count * sizeof *directions), *again = malloc(3 * count * sizeof *again);
     assert_true(directions && again);
     assert_ok(iso_pyramid_directions(pyramid, 1, directions, &err));
     assert_ok(iso_directions_decode(level.code, level.codes, count, again, &err));
@@ -168,8 +167,6 @@ TEST(directions_of_a_level_are_decoded)
     for (size_t i = 0; i < count; ++i)
         for (int c = 0; c < 3; ++c) /* a code step is 1/127 */
             assert_within((double)directions[3 * i + (size_t)c], (c + 1) / sqrt(14), 1.0 / 127);
-    free(directions);
-    free(again);
     iso_pyramid_free(pyramid);
 }
 
@@ -257,7 +254,7 @@ TEST(an_adapted_tf_renders)
     iso_scene *scene = a_scene();
     iso_tf *tf = NULL, *adapted = NULL;
     double own[4];
-    iso_image image, other;
+    OWNED(iso_image) image, other;
     iso_metrics m;
     const iso_tf_point points[] = {{0, {1, 1, 1}, 0}, {90, {1, 0, 0}, 0.5}};
     iso_frame_options o = iso_frame_defaults();
@@ -276,8 +273,6 @@ TEST(an_adapted_tf_renders)
     assert_within(m.max_abs, 0, 0);
     assert_ok(iso_tf_evaluate(iso_scene_tf(scene), pyramid, (double[1]){1e9}, 1, &own, &err));
     assert_within(own[3], -log(0.5) / 2, 1e-6); /* its last entry, a float */
-    iso_image_destroy(&image);
-    iso_image_destroy(&other);
     iso_tf_free(tf);
     iso_tf_free(adapted);
     iso_scene_free(scene);
@@ -756,8 +751,8 @@ TEST(each_code_decodes_to_a_direction)
     static const char *const codes[] = {"snorm",    "fit",     "shell", "free", "cube",
                                         "region48", "oct24", "half"};
     enum { BATCH = 1 << 16, APART = 251 };
-    uint8_t *bytes = malloc(6 * BATCH), *again = malloc(6 * BATCH);
-    float *d = malloc(3 * BATCH * sizeof *d), *back = malloc(3 * BATCH * sizeof *back);
+    FREED uint8_t *bytes = malloc(6 * BATCH), *again = malloc(6 * BATCH);
+    FREED float *d = malloc(3 * BATCH * sizeof *d), *back = malloc(3 * BATCH * sizeof *back);
     assert_true(bytes && again && d && back);
     for (size_t c = 0; c < sizeof codes / sizeof *codes; ++c) {
         const size_t width = iso_directions_bytes(codes[c]), batches = width == 3 ? 256 : 3;
@@ -792,10 +787,6 @@ TEST(each_code_decodes_to_a_direction)
     const uint8_t corner[3] = {127, 127, 127};
     assert_ok(iso_directions_decode("snorm", corner, 1, d, &err));
     assert_true(length_of(d) <= LONGEST && !(sqrt(3) <= LONGEST));
-    free(bytes);
-    free(again);
-    free(d);
-    free(back);
 }
 
 TEST(bad_directions_are_refused)
@@ -821,13 +812,11 @@ TEST(bad_scenes_are_refused)
 
 TEST(images_of_other_sizes_are_not_compared)
 {
-    iso_image a, b;
+    OWNED(iso_image) a, b;
     iso_metrics m;
     assert_ok(iso_image_create(&a, 4, 4, &err));
     assert_ok(iso_image_create(&b, 4, 5, &err));
     assert_fails(iso_metrics_measure(&a, &b, &m, &err), ISO_E_RANGE, "");
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 TEST_MAIN(make_folder, remove_folder)

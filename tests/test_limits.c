@@ -35,7 +35,7 @@ static subject open_subject(iso_field_kind kind, bool colors, bool step)
     const double spacing[3] = {1, 1.25, 1.6};
     iso_field field = {.kind = kind, .geometry = iso_geometry_axis_aligned(size, spacing), .seed = 4};
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_volume volume;
+    OWNED(iso_volume) volume;
     subject s = {.view = {.width = pixels,
                           .height = pixels,
                           .light_count = 1,
@@ -44,7 +44,6 @@ static subject open_subject(iso_field_kind kind, bool colors, bool step)
     build.level_count = 2;
     assert_ok(iso_field_sample(&field, ISO_F32, &volume, &err));
     assert_ok(iso_pyramid_build(&volume, "limits", &build, &s.pyramid, NULL, &err));
-    iso_volume_destroy(&volume);
     iso_camera *c = &s.view.camera;
     c->forward = iso_normalize(iso_v3(1, 2, -0.7));
     c->right = iso_normalize(iso_cross(c->forward, iso_v3(0, 0, 1)));
@@ -88,7 +87,7 @@ static double largest_difference(const iso_image *a, const iso_image *b)
 static iso_verdict judge(const subject *s, const iso_image *truth, const iso_renderer_info *which, bool sharp,
                          char gate[64])
 {
-    iso_extrapolated limit;
+    OWNED(iso_extrapolated) limit;
     iso_limit_options opt = iso_limit_defaults();
     const iso_scene_agreement asked = {.tier = ISO_TIER_CONVERGENCE, .sharp = sharp};
     iso_report_agreement row = {.a = "a", .renderer = "b"};
@@ -102,17 +101,14 @@ static iso_verdict judge(const subject *s, const iso_image *truth, const iso_ren
     for (size_t i = 0; i < row.gate_count && !gate[0]; ++i)
         if (!(row.gates[i].value <= row.gates[i].limit))
             snprintf(gate, 64, "%s", iso_gate_name(row.gates[i].gate));
-    iso_extrapolated_destroy(&limit);
     return iso_report_verdict(&row);
 }
 
 static double off_the_formula(const subject *s, const subject *rendered)
 {
-    iso_image formula, image = reference(rendered);
+    OWNED(iso_image) formula, image = reference(rendered);
     assert_ok(iso_closed_form_render(&s->pyramid.levels[0], s->pyramid.options.code, &s->view, &formula, &err));
     double off = largest_difference(&formula, &image);
-    iso_image_destroy(&formula);
-    iso_image_destroy(&image);
     return off;
 }
 
@@ -165,9 +161,8 @@ TEST(the_ray_caster_has_the_reference_for_its_limit)
     char gate[64];
     for (int sharp = 0; sharp < 2; ++sharp) {
         subject s = open_subject(ISO_FIELD_NOISE, true, sharp);
-        iso_image truth = reference(&s);
+        OWNED(iso_image) truth = reference(&s);
         assert_int_equal(judge(&s, &truth, &iso_renderer_gl, sharp, gate), ISO_VERDICT_AGREE);
-        iso_image_destroy(&truth);
         close_subject(&s);
     }
 }
@@ -179,7 +174,7 @@ TEST(planted_faults_move_the_limit_out_of_its_bars)
                                 ISO_FAULT_RANGE,      ISO_FAULT_AXIS_SWAP, ISO_FAULT_LIGHT,
                                 ISO_FAULT_ONE_SIDED,  ISO_FAULT_STALE,     ISO_FAULT_MIRRORED};
     subject s = open_subject(ISO_FIELD_NOISE, true, false);
-    iso_image truth = reference(&s);
+    OWNED(iso_image) truth = reference(&s);
     for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
         subject wrong = open_subject(ISO_FIELD_NOISE, true, false);
         char gate[64];
@@ -189,14 +184,13 @@ TEST(planted_faults_move_the_limit_out_of_its_bars)
         assert_string_equal(gate, "left of the error by halving the step");
         close_subject(&wrong);
     }
-    iso_image_destroy(&truth);
     close_subject(&s);
 }
 
 /* The verdict at a coarse start, and where the halving ended. */
 static iso_verdict judge_from_afar(const subject *s, const iso_image *truth, bool sharp, bool to_the_end, double *step)
 {
-    iso_extrapolated limit;
+    OWNED(iso_extrapolated) limit;
     const iso_scene_agreement asked = {.tier = ISO_TIER_CONVERGENCE, .sharp = sharp};
     iso_limit_options opt = iso_validate_limit_options(&asked, &iso_renderer_gl, 2, 0);
     iso_report_agreement row = {.a = "a", .renderer = "b"};
@@ -208,7 +202,6 @@ static iso_verdict judge_from_afar(const subject *s, const iso_image *truth, boo
     assert_ok(iso_metrics_measure(truth, &limit.image, &row.metrics, &err));
     iso_validate_limit_row(&asked, &limit, &row);
     *step = limit.step_voxels;
-    iso_extrapolated_destroy(&limit);
     return iso_report_verdict(&row);
 }
 
@@ -219,7 +212,7 @@ TEST(what_is_hopeless_would_be_rejected_in_the_end)
     double samples = 0, samples_to_the_end = 0; /* of what differs */
     for (int sharp = 0; sharp < 2; ++sharp) {
         subject s = open_subject(ISO_FIELD_NOISE, true, sharp);
-        iso_image truth = reference(&s);
+        OWNED(iso_image) truth = reference(&s);
         for (double amount = 1e-3; amount < 200; amount *= 4) {
             const iso_planted planted = {.deviation = ISO_DEVIATION_UNIT, .amount = amount};
             subject wrong = open_subject(ISO_FIELD_NOISE, true, sharp);
@@ -235,7 +228,6 @@ TEST(what_is_hopeless_would_be_rejected_in_the_end)
             agreed += verdict == ISO_VERDICT_AGREE;
             close_subject(&wrong);
         }
-        iso_image_destroy(&truth);
         close_subject(&s);
     }
     assert_true(sooner >= 4 && agreed >= 4);
@@ -249,8 +241,8 @@ TEST(a_sharp_tf_that_is_called_smooth_is_told)
     subject s = open_subject(ISO_FIELD_NOISE, true, true);
     for (size_t i = 3; i < 4 * s.view.tf.count; i += 4)
         s.view.tf.entries[i] *= 60; /* the first sample inside decides */
-    iso_image truth = reference(&s);
-    iso_extrapolated limit;
+    OWNED(iso_image) truth = reference(&s);
+    OWNED(iso_extrapolated) limit;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = opt.finest_voxels = 0.5;
     assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
@@ -260,16 +252,14 @@ TEST(a_sharp_tf_that_is_called_smooth_is_told)
     iso_validate_limit_row(&(iso_scene_agreement){.tier = ISO_TIER_CONVERGENCE}, &limit, &row);
     assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
     assert_more_than(limit.bar, opt.wanted_bar);
-    iso_extrapolated_destroy(&limit);
-    iso_image_destroy(&truth);
     close_subject(&s);
 }
 
 TEST(wide_bars_are_halved_until_they_are_narrow)
 {
     subject s = open_subject(ISO_FIELD_NOISE, true, false);
-    iso_image truth = reference(&s);
-    iso_extrapolated coarse, fine;
+    OWNED(iso_image) truth = reference(&s);
+    OWNED(iso_extrapolated) coarse, fine;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.factor = INFINITY; /* anything goes */
     assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
@@ -286,9 +276,6 @@ TEST(wide_bars_are_halved_until_they_are_narrow)
     assert_status(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
                                  &iso_renderer_gl, &opt, &none, &err),
                   ISO_E_RANGE);
-    iso_extrapolated_destroy(&coarse);
-    iso_extrapolated_destroy(&fine);
-    iso_image_destroy(&truth);
     close_subject(&s);
 }
 
@@ -297,8 +284,8 @@ TEST(wide_bars_are_halved_until_they_are_narrow)
 TEST(halving_goes_on_until_a_person_would_not_see_it)
 {
     subject s = open_subject(ISO_FIELD_NOISE, true, true);
-    iso_image truth = reference(&s);
-    iso_extrapolated blind, seeing;
+    OWNED(iso_image) truth = reference(&s);
+    OWNED(iso_extrapolated) blind, seeing;
     iso_limit_options opt = iso_limit_defaults();
     opt.step_voxels = 1, opt.wanted_bar = opt.wanted_left = opt.factor = INFINITY;
     assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
@@ -311,9 +298,6 @@ TEST(halving_goes_on_until_a_person_would_not_see_it)
     assert_at_most(seeing.step_voxels, 0.5);
     assert_at_most(seeing.ssim_dissimilarity, opt.wanted_ssim_dissimilarity);
     assert_at_most(seeing.flip_mean, opt.wanted_flip);
-    iso_extrapolated_destroy(&blind);
-    iso_extrapolated_destroy(&seeing);
-    iso_image_destroy(&truth);
     close_subject(&s);
 }
 
@@ -324,7 +308,7 @@ TEST(an_offset_of_the_whole_image_fails_povrays_lock_step)
     for (int white = 0; white < 2; ++white) {
         subject s = open_subject(ISO_FIELD_NOISE, true, false);
         iso_render_options opt = iso_render_defaults(&iso_renderer_povray), same;
-        iso_image image, truth;
+        OWNED(iso_image) image, truth;
         s.view.background[0] = s.view.background[1] = s.view.background[2] = white;
         same = iso_render_defaults(&iso_renderer_reference);
         same.quadrature = ISO_QUADRATURE_POVRAY;
@@ -343,8 +327,6 @@ TEST(an_offset_of_the_whole_image_fails_povrays_lock_step)
         assert_ok(iso_metrics_measure(&truth, &image, &row.metrics, &err));
         row.tolerances.max_abs = fmax(row.tolerances.max_abs, 4e-5); /* the RMSE alone has to see it */
         assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
-        iso_image_destroy(&image);
-        iso_image_destroy(&truth);
         close_subject(&s);
     }
 }
@@ -375,10 +357,10 @@ TEST(a_limit_is_made_again_from_what_is_said_of_it)
 {
     static const iso_renderer_info *const which[] = {&iso_renderer_gl, &iso_renderer_povray};
     subject s = open_subject(ISO_FIELD_NOISE, true, false);
-    iso_image truth = reference(&s);
+    OWNED(iso_image) truth = reference(&s);
     for (int i = 0; i < 2; ++i) {
-        iso_extrapolated found;
-        iso_image again, other;
+        OWNED(iso_extrapolated) found;
+        OWNED(iso_image) again, other;
         iso_limit_options opt = iso_limit_defaults();
         opt.step_voxels = 1, opt.finest_voxels = 0.5, opt.wanted_bar = 0; /* halved once */
         assert_ok(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
@@ -393,11 +375,7 @@ TEST(a_limit_is_made_again_from_what_is_said_of_it)
         assert_ok(iso_limit_render(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, which[i],
                                    &opt, &other, &err));
         assert_more_than(largest_difference(&found.image, &other), 1e-4); /* another step is another limit */
-        iso_image_destroy(&again);
-        iso_image_destroy(&other);
-        iso_extrapolated_destroy(&found);
     }
-    iso_image_destroy(&truth);
     close_subject(&s);
 }
 

@@ -50,7 +50,7 @@ static void has(const char *text, const char *line)
 
 TEST(a_summary_says_what_failed_and_why)
 {
-    char *text = summary_of(report("shells"), "out/index.html");
+    FREED char *text = summary_of(report("shells"), "out/index.html");
     has(text, "### ❌ isoshade validate: shells\n");
     has(text, "\nThey do not agree.\n");
     has(text, "\nThe levels hold.\n");
@@ -60,17 +60,15 @@ TEST(a_summary_says_what_failed_and_why)
     has(text, "\n- outside, slab: no picture\n");
     has(text, "\n| Blender Cycles | Blender 3.4.1 |\n");
     has(text, "\n[out/index.html](out/index.html)\n");
-    free(text);
 }
 
 TEST(a_name_is_no_markup)
 {
-    char *text = summary_of(report("<b>|x `y` [z](w) *v* @u &amp; #1\n| a |"), "a b|(c).html");
+    FREED char *text = summary_of(report("<b>|x `y` [z](w) *v* @u &amp; #1\n| a |"), "a b|(c).html");
     has(text,
         "| &#60;b&#62;&#124;x &#96;y&#96; &#91;z&#93;(w) &#42;v&#42; &#64;u &#38;amp; &#35;1 &#124; a &#124; | 2 |");
     has(text, "(a%20b%7C%28c%29.html)\n");
     assert_null(strstr(text, "<b>"));
-    free(text);
 }
 
 TEST(a_report_that_agrees_has_no_table_of_failures)
@@ -79,12 +77,11 @@ TEST(a_report_that_agrees_has_no_table_of_failures)
     json_object_set_new(root, "verdict", json_string("agree"));
     json_array_clear(json_object_get(root, "agreement"));
     json_array_clear(json_object_get(root, "calibration"));
-    char *text = summary_of(root, NULL);
+    FREED char *text = summary_of(root, NULL);
     has(text, "### ✅ isoshade validate: shells\n");
     assert_null(strstr(text, "at most"));
     assert_null(strstr(text, "Refused"));
     assert_null(strstr(text, "]("));
-    free(text);
 }
 
 TEST(long_tables_end_and_say_so)
@@ -92,9 +89,8 @@ TEST(long_tables_end_and_say_so)
     json_t *root = report("shells"), *rows = json_object_get(root, "agreement");
     for (int i = 0; i < 50; ++i)
         json_array_append(rows, json_array_get(rows, 0));
-    char *text = summary_of(root, NULL);
+    FREED char *text = summary_of(root, NULL);
     has(text, "\nand 12 more in the report.\n"); /* 51 rows and a calibration, of which 40 are shown */
-    free(text);
 }
 
 TEST_MAIN(make_folder, remove_folder)

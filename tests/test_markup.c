@@ -29,7 +29,7 @@ static char *page_of(const char *text)
 
 static void expect_back(const char *text)
 {
-    char *page = page_of(text);
+    FREED char *page = page_of(text);
     xmlDoc *doc = xmlReadMemory(page, (int)strlen(page), NULL, "UTF-8", XML_PARSE_NONET);
     if (!doc)
         fail_msg("no markup: %s", page);
@@ -42,7 +42,6 @@ static void expect_back(const char *text)
     }
     assert_null(root->children ? root->children->next : NULL);
     xmlFreeDoc(doc);
-    free(page);
 }
 
 TEST(any_text_comes_back)
@@ -65,11 +64,10 @@ TEST(any_text_comes_back)
 
 TEST(control_characters_become_spaces)
 {
-    char *page = page_of("a\033[31m\001b\xc2\x9b\x31m\xc3\x9b");
+    FREED char *page = page_of("a\033[31m\001b\xc2\x9b\x31m\xc3\x9b");
     assert_non_null(strstr(page, "a [31m b 1m\xc3\x9b"));
     assert_null(strchr(page, '\033'));
     assert_null(strstr(page, "\xc2\x9b"));
-    free(page);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -11,17 +11,16 @@
 
 TEST(equal_images_have_no_difference)
 {
-    iso_image a = textured(33, 21, 1);
+    OWNED(iso_image) a = textured(33, 21, 1);
     iso_metrics m = measure(&a, &a);
     assert_true(m.rmse == 0 && m.max_abs == 0 && m.p99_abs == 0 && m.flip_mean == 0 && isinf(m.psnr_db));
     assert_within(m.ssim, 1, 1e-12); /* a quotient of equal sums, rounded */
     assert_true(iso_metrics_within(&m, &(iso_tolerances){0}));
-    iso_image_destroy(&a);
 }
 
 TEST(one_changed_channel_gives_the_closed_form)
 {
-    iso_image a = uniform(20, 30, 0.25f, 0.25f, 0.25f), b = copy(&a);
+    OWNED(iso_image) a = uniform(20, 30, 0.25f, 0.25f, 0.25f), b = copy(&a);
     b.rgba[4 * (7 * 20 + 13) + 2] = 0.75f;
     iso_metrics m = measure(&a, &b);
     /* exact in binary: one difference of 1/2 among 2400 channels */
@@ -33,18 +32,14 @@ TEST(one_changed_channel_gives_the_closed_form)
     assert_true(iso_metrics_within(&m, &(iso_tolerances){.max_abs = 0.5}));
     assert_false(iso_metrics_within(&m, &(iso_tolerances){.max_abs = 0.4999}));
     assert_false(iso_metrics_within(&m, &(iso_tolerances){.max_abs = 0.5, .rmse = 0.01}));
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 TEST(alpha_counts_as_a_channel)
 {
-    iso_image a = uniform(12, 12, 0.5f, 0.5f, 0.5f), b = copy(&a);
+    OWNED(iso_image) a = uniform(12, 12, 0.5f, 0.5f, 0.5f), b = copy(&a);
     b.rgba[3] = 0.5f;
     iso_metrics m = measure(&a, &b);
     assert_true(m.max_abs == 0.5 && m.flip_mean == 0);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 static int by_value(const void *a, const void *b)
@@ -59,17 +54,14 @@ TEST(p99_is_the_value_that_a_sort_finds)
     for (size_t s = 0; s < 5; ++s)
         for (uint32_t seed = 1; seed < 6; ++seed) {
             size_t count = sizes[s][0] * sizes[s][1];
-            iso_image a = uniform(sizes[s][0], sizes[s][1], 0, 0, 0), b = copy(&a);
-            float *sorted = malloc(count * sizeof *sorted);
+            OWNED(iso_image) a = uniform(sizes[s][0], sizes[s][1], 0, 0, 0), b = copy(&a);
+            FREED float *sorted = malloc(count * sizeof *sorted);
             uint32_t random = seed;
             for (size_t i = 0; i < count; ++i) /* many ties in every other run */
                 sorted[i] = b.rgba[4 * i + seed % 3] = (float)(seed % 2 ? noise(&random) : floor(4 * noise(&random)));
             qsort(sorted, count, sizeof *sorted, by_value);
             size_t rank = (99 * count + 99) / 100;
             assert_true(measure(&a, &b).p99_abs == sorted[rank - 1]);
-            free(sorted);
-            iso_image_destroy(&a);
-            iso_image_destroy(&b);
         }
 }
 
@@ -79,7 +71,7 @@ TEST(nonfinite_pixels_are_counted_and_never_agree)
     for (int k = 0; k < 3; ++k)
         for (int c = 0; c < 4; ++c)
             for (int both = 0; both < 2; ++both) {
-                iso_image a = uniform(16, 16, 0.5f, 0.5f, 0.5f), b = copy(&a);
+                OWNED(iso_image) a = uniform(16, 16, 0.5f, 0.5f, 0.5f), b = copy(&a);
                 b.rgba[4 * 100 + c] = bad[k];
                 if (both)
                     a.rgba[4 * 100 + c] = bad[k];
@@ -92,8 +84,6 @@ TEST(nonfinite_pixels_are_counted_and_never_agree)
                 assert_true(json_is_null(json_object_get(json, "rmse")));
                 assert_int_equal(json_integer_value(json_object_get(json, "nonfinite_count")), 1);
                 json_decref(json);
-                iso_image_destroy(&a);
-                iso_image_destroy(&b);
             }
 }
 
@@ -123,7 +113,7 @@ TEST(empty_images_and_different_sizes_are_refused)
 /* As the windows of EXR files put them: the same pixels, elsewhere. */
 TEST(images_that_begin_elsewhere_are_refused)
 {
-    iso_image a = uniform(4, 6, 0, 0, 0), b = uniform(4, 6, 0, 0, 0);
+    OWNED(iso_image) a = uniform(4, 6, 0, 0, 0), b = uniform(4, 6, 0, 0, 0);
     iso_metrics m;
     assert_ok(iso_metrics_measure(&a, &b, &m, &err));
     for (int axis = 0; axis < 2; ++axis) {
@@ -131,8 +121,6 @@ TEST(images_that_begin_elsewhere_are_refused)
         assert_status(iso_metrics_measure(&a, &b, &m, &err), ISO_E_RANGE);
         b.origin[axis] = 0;
     }
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 TEST(each_limit_binds_alone)
@@ -154,12 +142,10 @@ TEST(each_limit_binds_alone)
 /* Eq. 13 with variances 0: only the luminance term is left. */
 TEST(ssim_of_uniform_images_is_the_luminance_term)
 {
-    iso_image a = uniform(24, 18, 1, 1, 1), b = uniform(24, 18, 0, 0, 0);
+    OWNED(iso_image) a = uniform(24, 18, 1, 1, 1), b = uniform(24, 18, 0, 0, 0);
     double mean;
     assert_ok(iso_ssim_mean(&a, &b, &mean, &err));
     assert_within(mean, 1e-4 / (1 + 1e-4), 1e-12); /* luma of white is 1 up to rounding */
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 /* Linear light whose sRGB is the gray v. */
@@ -193,7 +179,7 @@ TEST(ssim_of_shifted_and_stretched_contrast_is_the_closed_form)
     }
     const double S = alternating / sum, q = S * S, c1 = 1e-4, c2 = 9e-4;
     for (size_t k = 0; k < sizeof pairs / sizeof *pairs; ++k) {
-        iso_image a = uniform(n, n, 0, 0, 0), b = uniform(n, n, 0, 0, 0);
+        OWNED(iso_image) a = uniform(n, n, 0, 0, 0), b = uniform(n, n, 0, 0, 0);
         double mean, expected = 0, m = pairs[k].m, d = pairs[k].d, A = pairs[k].amplitude_a, B = pairs[k].amplitude_b;
         for (size_t y = 0; y < n; ++y)
             for (size_t x = 0; x < n; ++x) {
@@ -209,8 +195,6 @@ TEST(ssim_of_shifted_and_stretched_contrast_is_the_closed_form)
         assert_ok(iso_ssim_mean(&a, &b, &mean, &err));
         assert_within(mean, expected / ((n - 10) * (n - 10)),
                       2e-6); /* float pixels of 6e-8 against contrasts of .004 */
-        iso_image_destroy(&a);
-        iso_image_destroy(&b);
     }
 }
 
@@ -219,7 +203,7 @@ TEST(ssim_of_shifted_and_stretched_contrast_is_the_closed_form)
 TEST(ssim_of_a_single_pixel_shows_the_window)
 {
     enum { n = 31 };
-    iso_image a = uniform(n, n, 0, 0, 0), b = uniform(n, n, 0, 0, 0);
+    OWNED(iso_image) a = uniform(n, n, 0, 0, 0), b = uniform(n, n, 0, 0, 0);
     double taps[11], sum = 0, mean, expected = 0;
     set_gray(&a, 15, 15, 1);
     for (int i = 0; i < 11; ++i)
@@ -231,14 +215,12 @@ TEST(ssim_of_a_single_pixel_shows_the_window)
         }
     assert_ok(iso_ssim_mean(&a, &b, &mean, &err));
     assert_within(1 - mean, expected / ((n - 10) * (n - 10)), 1e-12); /* white and black are exact: rounding only */
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 /* x alternates by rows of a period of 2; y = 1 - x: means equal in the limit, covariance = -variance. */
 TEST(ssim_of_an_inverted_pattern_is_negative)
 {
-    iso_image a = uniform(31, 31, 0, 0, 0), b = uniform(31, 31, 0, 0, 0);
+    OWNED(iso_image) a = uniform(31, 31, 0, 0, 0), b = uniform(31, 31, 0, 0, 0);
     for (size_t y = 0; y < 31; ++y)
         for (size_t x = 0; x < 31; ++x)
             for (int c = 0; c < 3; ++c) {
@@ -249,8 +231,6 @@ TEST(ssim_of_an_inverted_pattern_is_negative)
     assert_ok(iso_ssim_mean(&a, &b, &mean, &err));
     /* Variance 1/4, covariance -1/4, C2 = 9e-4; a Gaussian of sigma 1.5 sees both colors alike to 1e-4. */
     assert_within(mean, (-0.5 + 9e-4) / (0.5 + 9e-4), 1e-4);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 /* What ssim.c sums in one pass, by two passes over means and deviations, at one window. */
@@ -290,7 +270,7 @@ static double direct_ssim(const iso_image *a, const iso_image *b, size_t cx, siz
 
 TEST(ssim_is_the_mean_of_its_definition)
 {
-    iso_image a = textured(23, 17, 3), b = textured(23, 17, 99);
+    OWNED(iso_image) a = textured(23, 17, 3), b = textured(23, 17, 99);
     double mean, sum = 0;
     assert_ok(iso_ssim_mean(&a, &b, &mean, &err));
     for (size_t y = 5; y < 12; ++y)
@@ -298,13 +278,11 @@ TEST(ssim_is_the_mean_of_its_definition)
             sum += direct_ssim(&a, &b, x, y);
     assert_within(mean, sum / (7 * 13), 1e-10); /* one pass against two: rounding only */
     assert_more_than(fabs(mean - 1), 1e-3);     /* and the pair does differ */
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 TEST(ssim_of_the_foreground_leaves_out_what_both_images_leave_empty)
 {
-    iso_image a = textured(23, 17, 3), b = textured(23, 17, 99);
+    OWNED(iso_image) a = textured(23, 17, 3), b = textured(23, 17, 99);
     double mean, sum = 0, all;
     size_t count = 0;
     for (size_t i = 0; i < 23 * 17; ++i) {
@@ -325,8 +303,6 @@ TEST(ssim_of_the_foreground_leaves_out_what_both_images_leave_empty)
         a.rgba[4 * i + 3] = b.rgba[4 * i + 3] = 0;
     assert_ok(iso_ssim_foreground(&a, &b, &mean, &err));
     assert_within(mean, 1, 0);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 /* Faults that a renderer may have; tolerances as the reference scenes use them must reject each. */

@@ -80,7 +80,7 @@ TEST(the_range_of_one_level_is_equal)
 {
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         fixture f;
-        iso_pyramid one;
+        OWNED(iso_pyramid) one;
         begin(&f, types[t]);
         iso_pyramid_options opt = f.whole.options;
         opt.level_count = 1;
@@ -88,7 +88,6 @@ TEST(the_range_of_one_level_is_equal)
         assert_int_equal(one.level_count, 1);
         assert_true(one.levels[0].min == f.whole.levels[0].min && one.levels[0].max == f.whole.levels[0].max);
         assert_int_equal(one.levels[0].stored_type, f.whole.levels[0].stored_type);
-        iso_pyramid_destroy(&one);
         end(&f);
     }
 }
@@ -110,7 +109,7 @@ TEST(codes_of_a_box_are_those_of_the_level)
                                   {{NX - 1, NY - 2, NZ - 1}, {NX, NY, NZ}}, {{17, 9, 8}, {20, 11, 12}}, {{0, 0, 7}, {NX, NY, 9}}};
     for (int method = 0; method < ISO_GRADIENT_COUNT; ++method) {
         fixture f;
-        iso_pyramid whole;
+        OWNED(iso_pyramid) whole;
         iso_narrow_codes codes;
         begin(&f, method % 2 ? ISO_U8 : ISO_F32);
         f.narrow.options.gradient.method = (iso_gradient_method)method;
@@ -125,7 +124,6 @@ TEST(codes_of_a_box_are_those_of_the_level)
         codes.codes[3 * (NX * NY * (7 - codes.first[2]) + NX * 12 + 20)] ^= 1;
         assert_int_equal(wrong_rows(&codes, &whole.levels[0], boxes[5][0], boxes[5][1]), 1);
         iso_narrow_codes_destroy(&codes);
-        iso_pyramid_destroy(&whole);
         end(&f);
     }
 }
@@ -144,7 +142,7 @@ TEST(samples_are_seen_as_their_floats)
         of_samples.level_count = 1;
         of_samples.levels = &level;
         const iso_subject_look look = {.size = "24"};
-        iso_view a, b;
+        OWNED(iso_view) a, b;
         assert_ok(iso_subject_make_view(&look, &f.whole, &a, &err));
         assert_ok(iso_subject_make_view(&look, &of_samples, &b, &err));
         assert_int_equal(a.tf.count, b.tf.count);
@@ -156,8 +154,6 @@ TEST(samples_are_seen_as_their_floats)
         assert_true(one.voxels == other.voxels && one.faces == other.faces && one.picture == other.picture);
         memset(f.volume.data, 0, iso_geometry_voxel_count(&f.volume.geometry) * iso_type_bytes(types[t]) / 2);
         assert_true(iso_visible_measure(&level, &b, NULL, 2).voxels != one.voxels); /* other samples are seen */
-        iso_view_destroy(&a);
-        iso_view_destroy(&b);
         end(&f);
     }
 }
@@ -185,10 +181,8 @@ static bool is_same_file(const fixture *f, const iso_pyramid *a, const iso_pyram
                          int threads)
 {
     size_t one_bytes, other_bytes;
-    char *one = save(f, a, shown, 1, &one_bytes), *other = save(f, b, shown, threads, &other_bytes);
+    FREED char *one = save(f, a, shown, 1, &one_bytes), *other = save(f, b, shown, threads, &other_bytes);
     const bool same = one_bytes == other_bytes && memcmp(one, other, one_bytes) == 0;
-    free(one);
-    free(other);
     return same;
 }
 
@@ -239,7 +233,7 @@ TEST(df3_files_of_several_channels_are_equal)
                                    .prepare = make_codes,
                                    .prepare_user = &codes,
                                    .planes = 7};
-    float *decoded = malloc(3 * voxels * sizeof *decoded);
+    FREED float *decoded = malloc(3 * voxels * sizeof *decoded);
     iso_code_decode_all(f.whole.options.code, f.whole.levels[0].codes, decoded, voxels);
     for (unsigned bits = 8; bits <= 32; bits *= 2) {
         const iso_df3_coding coding = {bits, -128.0 / 127, 1};
@@ -267,7 +261,6 @@ TEST(df3_files_of_several_channels_are_equal)
                 free(data[i]);
         }
     }
-    free(decoded);
     iso_narrow_codes_destroy(&codes);
     end(&f);
 }

@@ -17,7 +17,7 @@ TEST(nifti_places_centers_by_its_sform)
     h.scl_slope = 2, h.scl_inter = -1024;
     for (int gzip = 0; gzip < 2; ++gzip) {
         const char *name = gzip ? "n.nii.gz" : "n.nii";
-        iso_volume v;
+        OWNED(iso_volume) v;
         write_nifti(name, h, nifti_samples, 24, gzip);
         assert_ok(iso_volume_load(in_dir(name), &v, &err));
         assert_int_equal(v.type, ISO_I16);
@@ -27,7 +27,6 @@ TEST(nifti_places_centers_by_its_sform)
         assert_true(v.notes.world_is_ras);
         assert_within(v.notes.scale_slope, 2, 0);
         assert_within(v.notes.scale_intercept, -1024, 0);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -38,12 +37,11 @@ TEST(nifti_places_centers_by_its_qform)
     h.quatern_d = sqrtf(0.5f); /* a quarter turn about z */
     h.qoffset_x = 10, h.qoffset_y = 20, h.qoffset_z = 30;
     h.pixdim[0] = -1; /* and z reflected */
-    iso_volume v;
+    OWNED(iso_volume) v;
     write_nifti("q.nii", h, nifti_samples, 24, false);
     assert_ok(iso_volume_load(in_dir("q.nii"), &v, &err));
     iso_vec3 at = iso_geometry_to_world(&v.geometry, iso_v3(1.5, 2.5, 1.5));
     assert_within(iso_norm(iso_sub(at, iso_v3(10 - 4, 20 + 1, 30 - 3))), 0, 2e-6); /* libnifti's floats */
-    iso_volume_destroy(&v);
 }
 
 static void swap2(void *p, int count)
@@ -112,7 +110,7 @@ TEST(nifti_2_is_read_in_both_byte_orders)
             swap4(&h.sform_code, 1), swap8(h.srow_x, 12), swap4(&h.xyzt_units, 1);
             swap2(samples, 12);
         }
-        iso_volume v;
+        OWNED(iso_volume) v;
         write_nifti_2("two.nii", h, samples, 24, i & 2);
         assert_ok(iso_volume_load(in_dir("two.nii"), &v, &err));
         assert_memory_equal(v.data, nifti_samples, 24);
@@ -120,7 +118,6 @@ TEST(nifti_2_is_read_in_both_byte_orders)
         assert_within(iso_norm(iso_sub(at, iso_v3(10.000000001 - 4, 20 + 1, 30))), 0,
                       1e-14); /* a float has no such 10 */
         assert_within(v.notes.scale_slope, 2, 0);
-        iso_volume_destroy(&v);
     }
     nifti_2_header h = nifti_2();
     write_bytes("bad.nii", &h, 539);

@@ -61,20 +61,19 @@ static iso_volume load_ramp(iso_type type)
 
 static iso_pyramid build_ramp(size_t levels)
 {
-    iso_volume v = load_ramp(ISO_F32);
+    OWNED(iso_volume) v = load_ramp(ISO_F32);
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = levels;
     opt.keep_float = true;
     assert_ok(iso_pyramid_build(&v, "ramp", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
 TEST(ranges_and_means_leave_no_data_out)
 {
     for (int i = 0; i < 2; ++i) {
-        iso_volume v = load_ramp(i ? ISO_F64 : ISO_F32);
+        OWNED(iso_volume) v = load_ramp(i ? ISO_F64 : ISO_F32);
         const iso_volume_stats s = iso_volume_measure(&v);
         assert_true(v.geometry.has_no_data);
         assert_int_equal(s.no_data_count, FIRST * NY * NZ);
@@ -82,7 +81,6 @@ TEST(ranges_and_means_leave_no_data_out)
         assert_within(s.max, ramp(NX - 1, NY - 1, 0), 0);
         /* The mean of a linear field is its value in the middle; sums of double precision. */
         assert_within(s.mean, 3 + 2 * 0.5 * (FIRST + NX - 1) + 0.5 * 0.5 * (NY - 1) - 0.25 * 0.5 * (NZ - 1), 1e-12);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -124,12 +122,11 @@ static double gradient_error(const iso_planes *p)
 TEST(gradients_are_one_sided_beside_no_data)
 {
     for (int i = 0; i < 2; ++i) {
-        iso_volume v = load_ramp(i ? ISO_F64 : ISO_F32);
+        OWNED(iso_volume) v = load_ramp(i ? ISO_F64 : ISO_F32);
         iso_planes p = {v.data, v.type, {NX, NY, NZ}, 0, NZ, true};
         assert_within(gradient_error(&p), 0, 0);
         p.has_no_data = false; /* the planted fault: differences to the value that stands for none */
         assert_more_than(gradient_error(&p), 1e20);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -155,7 +152,7 @@ static double mean_of_children(size_t k, size_t x, size_t y, size_t z)
 
 TEST(levels_are_means_of_the_children_with_data)
 {
-    iso_pyramid p = build_ramp(3);
+    OWNED(iso_pyramid) p = build_ramp(3);
     for (size_t k = 1; k < 3; ++k) {
         const iso_level *l = &p.levels[k];
         const size_t *n = l->geometry.size;
@@ -172,12 +169,11 @@ TEST(levels_are_means_of_the_children_with_data)
         assert_true(l->geometry.has_no_data);
         assert_true(l->min >= p.levels[0].min && l->max <= p.levels[0].max);
     }
-    iso_pyramid_destroy(&p);
 }
 
 TEST(filters_that_need_more_are_refused)
 {
-    iso_volume v = load_ramp(ISO_F32);
+    OWNED(iso_volume) v = load_ramp(ISO_F32);
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.scalar_filter = ISO_SCALAR_GAUSS;
@@ -185,7 +181,6 @@ TEST(filters_that_need_more_are_refused)
     opt = iso_pyramid_defaults();
     opt.gradient.method = ISO_GRADIENT_SOBEL;
     assert_status(iso_pyramid_build(&v, "ramp", &opt, &p, NULL, &err), ISO_E_RANGE);
-    iso_volume_destroy(&v);
 }
 
 TEST(a_pyramid_keeps_it)
@@ -194,14 +189,12 @@ TEST(a_pyramid_keeps_it)
     assert_non_null(mkdtemp(dir));
     char path[64];
     snprintf(path, sizeof path, "%s/a.iso", dir);
-    iso_pyramid p = build_ramp(2), loaded;
+    OWNED(iso_pyramid) p = build_ramp(2), loaded;
     assert_ok(iso_pyramid_save(&p, path, &err));
     assert_ok(iso_pyramid_load(path, &loaded, &err));
     assert_true(loaded.levels[0].geometry.has_no_data && loaded.levels[1].geometry.has_no_data);
     assert_memory_equal(p.levels[1].scalar, loaded.levels[1].scalar,
                         iso_geometry_voxel_count(&p.levels[1].geometry) * sizeof(float));
-    iso_pyramid_destroy(&p);
-    iso_pyramid_destroy(&loaded);
     char command[96];
     snprintf(command, sizeof command, "rm -r %s", dir);
     assert_int_equal(system(command), 0);
@@ -209,19 +202,16 @@ TEST(a_pyramid_keeps_it)
 
 TEST(histograms_and_surveys_leave_no_data_out)
 {
-    iso_pyramid p = build_ramp(2);
-    iso_joint joint;
-    iso_survey *survey;
+    OWNED(iso_pyramid) p = build_ramp(2);
+    OWNED(iso_joint) joint;
+    FREED iso_survey *survey;
     assert_ok(iso_joint_compute(&p, 1, 8, ISO_SECOND_VALUE_NONE, 1, &joint, &err));
     /* Counted: voxels with data between coarse voxels with data. The coarse voxels from x = FIRST / 2 = 4 on have it;
      * fine voxel 9, whose center is right of that of coarse voxel 4, lies between 4 and 5. */
     assert_int_equal(joint.voxel_count, (NX - FIRST) * NY * NZ);
-    iso_joint_destroy(&joint);
     assert_ok(iso_survey_make(&p.levels[0], 1, &survey, &err));
     assert_int_equal(survey->voxel_count, (NX - FIRST) * NY * NZ);
     assert_true(survey->lo >= p.levels[0].min && survey->hi <= p.levels[0].max);
-    free(survey);
-    iso_pyramid_destroy(&p);
 }
 
 /* ---- pictures ---- */
@@ -234,7 +224,7 @@ static double middle_alpha(const iso_pyramid *p, const iso_view *view, caster wi
     iso_reference_options o = iso_reference_defaults();
     iso_cpu_options cpu = iso_cpu_defaults();
     iso_gl_options on_gl = iso_gl_defaults();
-    iso_image image;
+    OWNED(iso_image) image;
     const iso_level *l = &p->levels[0];
     o.quadrature = exact ? o.quadrature : ISO_QUADRATURE_MIDPOINT;
     if (with == REFERENCE)
@@ -244,19 +234,18 @@ static double middle_alpha(const iso_pyramid *p, const iso_view *view, caster wi
     else
         assert_ok(iso_gl_render(gl, l, p->options.code, view, &on_gl, &image, &err));
     const double alpha = (double)image.rgba[4 * (image.width * (image.height / 2) + image.width / 2) + 3];
-    iso_image_destroy(&image);
     return alpha;
 }
 
 TEST_BETWEEN(all_renderers_show_the_part_with_data, open_gl, close_gl)
 {
     iso_tf_point points[] = {{0, {0.9, 0.3, 0.2}, 0.1}, {1, {0.2, 0.3, 0.9}, 0.1}};
-    iso_pyramid p = build_ramp(1);
+    OWNED(iso_pyramid) p = build_ramp(1);
     iso_scene scene = scene_of_points(points, 2);
     scene.camera_direction = iso_v3(1, 0, 0);
     scene.tf.unit_is_voxels = false;
     scene.width = scene.height = 9;
-    iso_view view = view_of(&scene, &p);
+    OWNED(iso_view) view = view_of(&scene, &p);
     view.camera.orthographic = true;
     view.camera.half_height = 4;
     /* From the center of the first voxel with data to the box's face. Causes: the reference's tolerance. The planted
@@ -270,8 +259,6 @@ TEST_BETWEEN(all_renderers_show_the_part_with_data, open_gl, close_gl)
     assert_within(samples, wanted, 1 - pow(0.9, length + 0.25) - wanted);
     assert_within(middle_alpha(&p, &view, CPU, false), samples, 5e-6);
     assert_within(middle_alpha(&p, &view, OPENGL, false), samples, 5e-6);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(tables_end_below_the_values)
@@ -279,7 +266,7 @@ TEST(tables_end_below_the_values)
     float *entries = malloc(8 * sizeof *entries);
     const float two[8] = {1, 0, 0, 0.5f, 0, 1, 0, 2};
     memcpy(entries, two, sizeof two);
-    iso_tf_table t = {.count = 2, .lo = 10, .hi = 12, .entries = entries};
+    OWNED(iso_tf_table) t = {.count = 2, .lo = 10, .hi = 12, .entries = entries};
     double rgbs[4];
     assert_ok(iso_tf_table_end_below(&t, 5, &err)); /* values from 5 on keep the first entry */
     iso_tf_lookup(&t, 5, rgbs);
@@ -288,7 +275,6 @@ TEST(tables_end_below_the_values)
     assert_within(rgbs[3], 0, 0);
     iso_tf_lookup(&t, 12, rgbs);
     assert_within(rgbs[3], 2, 1e-7);
-    iso_tf_table_destroy(&t);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -23,7 +23,7 @@ static float *random_scalar(void)
 
 TEST(ranges_hold_every_voxel_and_its_neighbors)
 {
-    float *scalar = random_scalar();
+    FREED float *scalar = random_scalar();
     iso_geometry g = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1});
     iso_brick_ranges r;
     assert_ok(iso_brick_ranges_create(&r, scalar, &g, 4, &err));
@@ -43,7 +43,6 @@ TEST(ranges_hold_every_voxel_and_its_neighbors)
         assert_true(r.min_max[2 * i] == min && r.min_max[2 * i + 1] == max);
     }
     iso_brick_ranges_destroy(&r);
-    free(scalar);
 }
 
 TEST(tf_shows_what_any_value_of_the_range_shows)
@@ -137,7 +136,7 @@ static size_t count_wrong_sides(const uint8_t *occupied, const uint8_t *octants)
 TEST(octants_hold_the_largest_empty_cubes_ahead)
 {
     const size_t count = size[0] * size[1] * size[2];
-    uint8_t *occupied = malloc(count), *octants = malloc(ISO_OCTANTS * count);
+    FREED uint8_t *occupied = malloc(count), *octants = malloc(ISO_OCTANTS * count);
     iso_random random = {11};
     assert_non_null(occupied);
     assert_non_null(octants);
@@ -147,8 +146,6 @@ TEST(octants_hold_the_largest_empty_cubes_ahead)
     assert_int_equal(count_wrong_sides(occupied, octants), 0);
     memcpy(octants + 2 * count, octants + 5 * count, count);
     assert_true(count_wrong_sides(occupied, octants) > 0);
-    free(octants);
-    free(occupied);
 }
 
 /* The list gives the answers of the table. Planted: a list without the last visible entry. */

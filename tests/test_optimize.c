@@ -40,7 +40,7 @@ static iso_pyramid bumpy_ball(iso_code code)
     enum { N = 28 };
     iso_pyramid_options opt = iso_pyramid_defaults();
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){N, N, N}, (double[]){1, 1, 1});
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "test", &err));
     for (size_t i = 0; i < (size_t)N * N * N; ++i) {
         const double x = (double)(i % N) - 13.5, y = (double)(i / N % N) - 13.5, z = (double)(i / N / N) - 13.5;
@@ -52,7 +52,6 @@ static iso_pyramid bumpy_ball(iso_code code)
     opt.code = code;
     opt.threads = 2;
     iso_pyramid p = build(&v, &opt);
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -63,7 +62,7 @@ static iso_optimize_options fast(int threads)
 
 TEST(a_level_is_nearer_and_threads_change_no_bit)
 {
-    iso_pyramid p = bumpy_ball(ISO_CODE_FIT);
+    OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT);
     const iso_scene scene = surface_scene();
     const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
     iso_optimized o[2];
@@ -81,12 +80,11 @@ TEST(a_level_is_nearer_and_threads_change_no_bit)
     }
     iso_optimized_destroy(&o[0]);
     iso_optimized_destroy(&o[1]);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(a_stopped_run_returns_the_level_so_far)
 {
-    iso_pyramid p = bumpy_ball(ISO_CODE_FIT);
+    OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT);
     const iso_scene scene = surface_scene();
     const volatile sig_atomic_t stop = 1;
     iso_optimize_options opt = fast(2);
@@ -96,13 +94,12 @@ TEST(a_stopped_run_returns_the_level_so_far)
     assert_int_equal(o.steps, 0);
     assert_memory_equal(o.scalar, p.levels[1].scalar, iso_geometry_voxel_count(&p.levels[1].geometry) * sizeof(float));
     iso_optimized_destroy(&o);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(scenes_that_cannot_be_learned_are_refused)
 {
     iso_tf_point hidden[] = {{0, {1, 1, 1}, 0}, {1, {1, 1, 1}, 0}};
-    iso_pyramid p = bumpy_ball(ISO_CODE_FIT), other = bumpy_ball(ISO_CODE_REGION48);
+    OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT), other = bumpy_ball(ISO_CODE_REGION48);
     iso_scene scene = surface_scene();
     const iso_optimize_options opt = fast(2);
     iso_optimized o;
@@ -110,8 +107,6 @@ TEST(scenes_that_cannot_be_learned_are_refused)
     scene.tf.points = hidden;
     scene.tf.point_count = 2;
     assert_status(iso_optimize_level(&p, 1, &scene, &opt, &o, NULL, &err), ISO_E_RANGE);
-    iso_pyramid_destroy(&p);
-    iso_pyramid_destroy(&other);
 }
 
 /* ---- the gate ---------------------------------------------------------------------------------------------------- */
@@ -135,7 +130,7 @@ TEST(each_figure_of_the_gate_can_refuse)
 /* Directions in disorder are a level that no gate takes. */
 TEST(a_spoilt_level_is_not_accepted)
 {
-    iso_pyramid p = bumpy_ball(ISO_CODE_FIT);
+    OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT);
     const iso_scene scene = surface_scene();
     const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
     iso_level spoilt = p.levels[1];
@@ -148,20 +143,19 @@ TEST(a_spoilt_level_is_not_accepted)
     assert_false(gate.accepts);
     assert_more_than(gate.optimized.ssim_dissimilarity, gate.today.ssim_dissimilarity);
     free(spoilt.codes);
-    iso_pyramid_destroy(&p);
 }
 
 /* ---- in a pyramid ------------------------------------------------------------------------------------------------ */
 
 TEST(it_is_stored_and_shown_as_it_is)
 {
-    iso_pyramid p = bumpy_ball(ISO_CODE_FIT), loaded;
+    OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT), loaded;
     const iso_scene scene = surface_scene();
     const iso_optimize_options opt = fast(2);
     const iso_adapt_options adapt = iso_adapt_defaults();
     iso_scene_level levels[32];
     iso_level_check checks[32];
-    iso_tf_table tf, own;
+    OWNED(iso_tf_table) tf, own;
     uint8_t *bytes;
     char *dir = iso_path_join(folder, "optimized.iso"), text[200];
     assert_ok(iso_scene_levels_make(&p, 1, &scene, &opt, 2, levels, NULL, &err));
@@ -180,10 +174,6 @@ TEST(it_is_stored_and_shown_as_it_is)
     assert_memory_equal(own.entries, tf.entries, 4 * tf.count * sizeof(float));
     assert_ok(iso_extinction_scale_level(&loaded, 1, &tf, &own, 2, &bytes, &err));
     assert_null(bytes);
-    iso_tf_table_destroy(&tf);
-    iso_tf_table_destroy(&own);
-    iso_pyramid_destroy(&p);
-    iso_pyramid_destroy(&loaded);
     free(dir);
 }
 

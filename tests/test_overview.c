@@ -28,7 +28,7 @@ static void put(iso_volume *v, size_t i, double value)
 /* changed: a voxel that gets 255 more than any has, or COUNT for none. */
 static void write_volume(const char *path, iso_type type, size_t changed)
 {
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_volume_sink *sink = NULL;
     const iso_geometry g = iso_geometry_axis_aligned((const size_t[]){NX, NY, NZ}, (const double[]){1, 1, 1});
     assert_ok(iso_volume_create(&v, &g, type, "overview", &err));
@@ -37,7 +37,6 @@ static void write_volume(const char *path, iso_type type, size_t changed)
     assert_ok(iso_sink_open(path, &v, false, &sink, &err));
     assert_ok(iso_sink_write(sink, NZ, v.data, &err));
     assert_ok(iso_sink_commit(sink, &err));
-    iso_volume_destroy(&v);
 }
 
 static iso_overview look(const char *path, size_t kept_bytes, size_t slab_bytes, int threads)
@@ -74,7 +73,7 @@ static const iso_type types[] = {ISO_U8, ISO_I16, ISO_F32, ISO_F64};
 TEST(slabs_of_any_size_say_what_the_whole_volume_says)
 {
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
-        char *path = iso_path_join(folder, "volume.nrrd");
+        FREED char *path = iso_path_join(folder, "volume.nrrd");
         write_volume(path, types[t], COUNT);
         iso_overview whole = look(path, 0, 0, 1);
         const size_t plane = NX * NY * iso_type_bytes(types[t]);
@@ -87,7 +86,6 @@ TEST(slabs_of_any_size_say_what_the_whole_volume_says)
         assert_int_equal(whole.rounded > 0, types[t] == ISO_F64);
         assert_null(whole.header.data);
         iso_overview_destroy(&whole);
-        free(path);
     }
 }
 
@@ -95,7 +93,7 @@ TEST(slabs_of_any_size_say_what_the_whole_volume_says)
 TEST(a_changed_voxel_changes_the_overview)
 {
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
-        char *path = iso_path_join(folder, "volume.nrrd"), *other = iso_path_join(folder, "other.nrrd");
+        FREED char *path = iso_path_join(folder, "volume.nrrd"), *other = iso_path_join(folder, "other.nrrd");
         write_volume(path, types[t], COUNT);
         write_volume(other, types[t], COUNT - 1);
         iso_overview a = look(path, 1, 2 * NX * NY * iso_type_bytes(types[t]), 2),
@@ -103,15 +101,13 @@ TEST(a_changed_voxel_changes_the_overview)
         assert_false(are_same(&a, &b));
         iso_overview_destroy(&a);
         iso_overview_destroy(&b);
-        free(path);
-        free(other);
     }
 }
 
 TEST(what_is_no_number_is_refused_with_its_place)
 {
-    char *path = iso_path_join(folder, "nan.nrrd");
-    iso_volume v;
+    FREED char *path = iso_path_join(folder, "nan.nrrd");
+    OWNED(iso_volume) v;
     iso_volume_sink *sink = NULL;
     iso_volume_input input;
     iso_overview s;
@@ -121,7 +117,6 @@ TEST(what_is_no_number_is_refused_with_its_place)
     assert_ok(iso_sink_open(path, &v, false, &sink, &err));
     assert_ok(iso_sink_write(sink, NZ, v.data, &err));
     assert_ok(iso_sink_commit(sink, &err));
-    iso_volume_destroy(&v);
     iso_volume_input_defaults(&input);
     const iso_overview_options slabs = {.kept_bytes = 1, .slab_bytes = 2 * NX * NY * sizeof(float)};
     iso_error why = {""};
@@ -130,7 +125,6 @@ TEST(what_is_no_number_is_refused_with_its_place)
     const iso_overview_options kept = {.drawn_bins = 0};
     assert_int_equal(iso_overview_run(path, &input, &kept, &s, NULL, &why), ISO_E_RANGE);
     assert_non_null(strstr(why.text, "the first is (3, 0, 9)"));
-    free(path);
 }
 
 TEST_MAIN(make_folder, remove_folder)

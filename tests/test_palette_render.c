@@ -28,21 +28,19 @@ static void subject_create(subject *s, size_t directions, bool orthographic)
     iso_field field = {.kind = ISO_FIELD_MARSCHNER_LOBB, .geometry = iso_geometry_axis_aligned(size, spacing)};
     iso_pyramid_options opt = iso_pyramid_defaults();
     iso_palette_options fit = iso_palette_defaults();
-    iso_direction_set set;
-    iso_volume v;
+    OWNED(iso_direction_set) set;
+    OWNED(iso_volume) v;
     memset(s, 0, sizeof *s);
     opt.level_count = 1;
     opt.keep_float = true;
     assert_ok(iso_field_sample(&field, ISO_F32, &v, &err));
     assert_ok(iso_pyramid_build(&v, "test", &opt, &s->pyramid, NULL, &err));
-    iso_volume_destroy(&v);
     iso_level *level = &s->pyramid.levels[0];
     assert_ok(
         iso_direction_set_create(&set, level->directions, NULL, iso_geometry_voxel_count(&level->geometry), &err));
     fit.swap_trials = 0;
     fit.directions = directions;
     assert_ok(iso_palette_fit(&set, &fit, &s->palette, NULL, &err));
-    iso_direction_set_destroy(&set);
     assert_ok(iso_level_attach_palette(level, opt.code, &s->palette, &err));
 
     double radius = iso_geometry_box_radius_mm(&level->geometry);

@@ -15,7 +15,7 @@
 static size_t wrong_assignments(const iso_palette *p, const iso_palette_lookup *lookup, const float *v, size_t count)
 {
     size_t wrong = 0;
-    uint16_t *index = malloc(count * sizeof *index);
+    FREED uint16_t *index = malloc(count * sizeof *index);
     iso_palette_assign(lookup, v, index, count);
     for (size_t i = 0; i < count; ++i) {
         double n = sqrt((double)v[3 * i] * (double)v[3 * i] + (double)v[3 * i + 1] * (double)v[3 * i + 1] +
@@ -30,14 +30,13 @@ static size_t wrong_assignments(const iso_palette *p, const iso_palette_lookup *
         }
         wrong += !(own >= best - 4e-7); /* the rounding of a dot product of floats */
     }
-    free(index);
     return wrong;
 }
 
 TEST(lookup_finds_the_nearest_entry)
 {
     enum { N = 3000 };
-    float *data = ellipsoid(ELLIPSOID), *v = malloc(3 * 2 * N * sizeof *v);
+    FREED float *data = ellipsoid(ELLIPSOID), *v = malloc(3 * 2 * N * sizeof *v);
     iso_random random = {11};
     memcpy(v, data, 3 * N * sizeof *v);
     for (size_t i = N; i < 2 * N; ++i) {
@@ -51,30 +50,25 @@ TEST(lookup_finds_the_nearest_entry)
         if (i % 11 == 0)
             v[3 * i] = v[3 * i + 1]; /* and onto its edges */
     }
-    iso_direction_set set = set_of(data, NULL, ELLIPSOID);
+    OWNED(iso_direction_set) set = set_of(data, NULL, ELLIPSOID);
     const size_t sizes[] = {1, 2, 3, 17, 254, 1022};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
-        iso_palette p = fit(&set, ISO_PALETTE_KMEANS, sizes[s]);
+        OWNED(iso_palette) p = fit(&set, ISO_PALETTE_KMEANS, sizes[s]);
         iso_palette_lookup *lookup;
         assert_ok(iso_palette_lookup_create(&p, &lookup, &err));
         assert_int_equal(wrong_assignments(&p, lookup, v, 2 * N), 0);
         if (sizes[s] == 254) {
             /* Power: the lookup of a palette with every other entry turned by a degree is caught. */
-            iso_palette turned = fit(&set, ISO_PALETTE_KMEANS, sizes[s]);
+            OWNED(iso_palette) turned = fit(&set, ISO_PALETTE_KMEANS, sizes[s]);
             for (size_t k = 1; k < turned.count; k += 2) {
                 float *e = turned.xyz + 3 * k, x = e[0];
                 e[0] = (float)(cos(0.0175) * (double)x - sin(0.0175) * (double)e[1]);
                 e[1] = (float)(sin(0.0175) * (double)x + cos(0.0175) * (double)e[1]);
             }
             assert_true(wrong_assignments(&turned, lookup, v, 2 * N) > 0);
-            iso_palette_destroy(&turned);
         }
         iso_palette_lookup_destroy(lookup);
-        iso_palette_destroy(&p);
     }
-    iso_direction_set_destroy(&set);
-    free(v);
-    free(data);
 }
 
 TEST(bytes_and_words_agree_and_decode)
@@ -85,8 +79,8 @@ TEST(bytes_and_words_agree_and_decode)
     uint8_t narrow[N];
     v[3 * 5] = NAN;
     v[3 * 6] = v[3 * 6 + 1] = v[3 * 6 + 2] = 0;
-    iso_direction_set set = set_of(v, NULL, N);
-    iso_palette p = fit(&set, ISO_PALETTE_KMEANS, 255);
+    OWNED(iso_direction_set) set = set_of(v, NULL, N);
+    OWNED(iso_palette) p = fit(&set, ISO_PALETTE_KMEANS, 255);
     iso_palette_lookup *lookup;
     assert_int_equal(iso_palette_bits(&p), 8);
     assert_ok(iso_palette_lookup_create(&p, &lookup, &err));
@@ -101,8 +95,6 @@ TEST(bytes_and_words_agree_and_decode)
     assert_memory_equal(decoded, p.xyz + 3 * (size_t)wide[0], 3 * sizeof *decoded);
     assert_true(decoded[21] == 0 && decoded[22] == 0 && decoded[23] == 0);
     iso_palette_lookup_destroy(lookup);
-    iso_palette_destroy(&p);
-    iso_direction_set_destroy(&set);
     free(v);
 }
 
@@ -132,20 +124,16 @@ static void assert_sets_equal(const iso_direction_set *a, const iso_direction_se
 TEST(pool_does_not_depend_on_threads_or_slabs)
 {
     enum { N = 20000 };
-    float *v = ellipsoid(N), *w = malloc(N * sizeof *w);
+    FREED float *v = ellipsoid(N), *w = malloc(N * sizeof *w);
     iso_random random = {5};
     for (size_t i = 0; i < N; ++i) {
         w[i] = (float)iso_random_unit(&random);
         for (size_t c = 0; c < 3 && i % 17 == 0; ++c)
             v[3 * i + c] = i % 2 ? 0 : NAN;
     }
-    iso_direction_set one = pooled(v, w, N, 1, N), many = pooled(v, w, N, 3, 777);
+    OWNED(iso_direction_set) one = pooled(v, w, N, 1, N), many = pooled(v, w, N, 3, 777);
     assert_sets_equal(&one, &many);
     assert_more_than(one.undefined_weight, 100);
-    iso_direction_set_destroy(&one);
-    iso_direction_set_destroy(&many);
-    free(v);
-    free(w);
 }
 
 /* Bundling loses nothing of the error where a cell's members share an entry; what is left is fixed point (1e-7 of a
@@ -153,20 +141,15 @@ TEST(pool_does_not_depend_on_threads_or_slabs)
 TEST(pool_keeps_the_error)
 {
     enum { N = 30000 };
-    float *v = ellipsoid(N);
-    iso_direction_set exact = set_of(v, NULL, N), bundled = pooled(v, NULL, N, 2, N), coarse;
+    FREED float *v = ellipsoid(N);
+    OWNED(iso_direction_set) exact = set_of(v, NULL, N), bundled = pooled(v, NULL, N, 2, N), coarse;
     assert_true(bundled.count < exact.count);
     assert_ok(iso_direction_set_coarsen(&bundled, 48, &coarse, &err));
     assert_true(coarse.count < bundled.count);
-    iso_palette p = fit(&bundled, ISO_PALETTE_KMEANS, 254);
+    OWNED(iso_palette) p = fit(&bundled, ISO_PALETTE_KMEANS, 254);
     double truth = norm1_of(&exact, &p);
     assert_within(norm1_of(&bundled, &p), truth, 0.01 * truth);
     assert_within(norm1_of(&coarse, &p), truth, 0.25 * truth);
-    iso_palette_destroy(&p);
-    iso_direction_set_destroy(&exact);
-    iso_direction_set_destroy(&bundled);
-    iso_direction_set_destroy(&coarse);
-    free(v);
 }
 
 static void make_volume(iso_volume *v)
@@ -179,9 +162,9 @@ static void make_volume(iso_volume *v)
 
 TEST(streaming_a_volume_equals_the_volume_in_memory)
 {
-    iso_volume v;
+    OWNED(iso_volume) v;
     make_volume(&v);
-    char *dir = iso_make_temp_dir(), *path = iso_path_join(dir, "v.nrrd");
+    FREED char *dir = iso_make_temp_dir(), *path = iso_path_join(dir, "v.nrrd");
     assert_ok(iso_volume_save(&v, path, false, &err));
     iso_gradient_options gradient = iso_gradient_defaults();
     float table[2] = {0, 1};
@@ -193,7 +176,7 @@ TEST(streaming_a_volume_equals_the_volume_in_memory)
                                      .by_value_hi = 65535};
     for (int weighted = 0; weighted < 2; ++weighted) {
         iso_direction_pool *a, *b;
-        iso_direction_set in_memory, streamed;
+        OWNED(iso_direction_set) in_memory, streamed;
         iso_volume_source *source;
         assert_ok(iso_direction_pool_create(&a, 1, &err));
         assert_ok(iso_direction_pool_create(&b, 2, &err));
@@ -205,15 +188,10 @@ TEST(streaming_a_volume_equals_the_volume_in_memory)
         assert_sets_equal(&in_memory, &streamed);
         assert_true(in_memory.count > 1000);
         iso_source_close(source);
-        iso_direction_set_destroy(&in_memory);
-        iso_direction_set_destroy(&streamed);
         iso_direction_pool_destroy(a);
         iso_direction_pool_destroy(b);
     }
-    iso_volume_destroy(&v);
     iso_remove_tree(dir);
-    free(path);
-    free(dir);
 }
 
 /* A TF that shows only one half of the values: the weights of the others are 0, and they are left out. */
@@ -223,20 +201,19 @@ TEST(weights_by_value_leave_out_what_is_not_seen)
     const float table[] = {0, 0, 1, 1};
     const iso_palette_weighting w = {.by_value = table, .by_value_count = 4, .by_value_lo = 0, .by_value_hi = 0.9};
     iso_direction_pool *pool;
-    iso_direction_set set;
+    OWNED(iso_direction_set) set;
     assert_ok(iso_direction_pool_create(&pool, 1, &err));
     assert_ok(iso_palette_sample_field(pool, vectors, scalars, NULL, 3, &w, &err));
     assert_ok(iso_direction_pool_finish(pool, &set, &err));
     assert_int_equal(set.count, 1);
     assert_within(set.xyz[1], 1, 0);
     assert_within(set.weight[0], 1, 0);
-    iso_direction_set_destroy(&set);
     iso_direction_pool_destroy(pool);
 }
 
 TEST(shading_table_is_the_shading_of_each_entry)
 {
-    iso_palette p;
+    OWNED(iso_palette) p;
     assert_ok(iso_palette_create(&p, 2, &err));
     p.xyz[3] = 1;
     p.xyz[8] = -1;
@@ -248,15 +225,14 @@ TEST(shading_table_is_the_shading_of_each_entry)
     assert_within(shade[0], 0.2, 1e-7);
     assert_within(shade[1], 0.2 + 0.5 * (0.6 * 0.6 + 0.4 * 0.36 / hh), 1e-7);      /* floats */
     assert_within(shade[2], 0.2 + 0.5 * (0.6 * 0.8 + 0.4 * 1.8 * 1.8 / hh), 1e-7); /* two-sided */
-    iso_palette_destroy(&p);
 }
 
 TEST(csv_survives_and_bad_ones_are_refused)
 {
-    float *v = ellipsoid(500);
-    iso_direction_set set = set_of(v, NULL, 500);
+    FREED float *v = ellipsoid(500);
+    OWNED(iso_direction_set) set = set_of(v, NULL, 500);
     iso_palette p = fit(&set, ISO_PALETTE_KMEANS, 30), q;
-    char *dir = iso_make_temp_dir(), *path = iso_path_join(dir, "p.csv");
+    FREED char *dir = iso_make_temp_dir(), *path = iso_path_join(dir, "p.csv");
     assert_ok(iso_palette_save_csv(&p, path, &err));
     assert_ok(iso_palette_load_csv(path, &q, &err));
     assert_int_equal(p.count, q.count);
@@ -277,11 +253,7 @@ TEST(csv_survives_and_bad_ones_are_refused)
         assert_null(q.xyz);
     }
     iso_remove_tree(dir);
-    free(path);
-    free(dir);
     iso_palette_destroy(&p);
-    iso_direction_set_destroy(&set);
-    free(v);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -65,7 +65,7 @@ static void open_store(const char *work, bool keep, iso_picture_store **store)
 TEST(killed_at_any_removal_it_blocks_no_later_run)
 {
     for (int keeps = 0; keeps < 2; ++keeps) {
-        char *work = iso_path_join(folder, "r.work");
+        FREED char *work = iso_path_join(folder, "r.work");
         bool is_gone = false;
         int kills = 0;
         for (; !is_gone; ++kills) {
@@ -86,7 +86,6 @@ TEST(killed_at_any_removal_it_blocks_no_later_run)
             assert_false(iso_path_exists(work));
         }
         assert_true(kills > PICTURES + 2); /* with the marker and the folder */
-        free(work);
     }
 }
 

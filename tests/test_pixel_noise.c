@@ -110,10 +110,9 @@ TEST(a_block_is_rejected_though_the_step_errs_elsewhere)
 VALUES_TEST(a_block_of_a_large_image_is_rejected)
 {
     frames f = {.side = 1024, .seeds = 3, .block = 8, .step = 0.045, .noise = 1e-3, .amount = 0.4, .random = 1};
-    iso_extrapolated limit = extrapolate(&f, NULL);
+    OWNED(iso_extrapolated) limit = extrapolate(&f, NULL);
     assert_true(is_rejected(&limit, true));
     assert_int_equal(limit.noise.rejected, 192);
-    iso_extrapolated_destroy(&limit);
 }
 
 /* 200 groups of each number of seeds: below 1.5 % at 95 % confidence. */
@@ -123,10 +122,9 @@ VALUES_TEST(uneven_noise_alone_is_not_rejected)
     for (int i = 0; i < 3; ++i)
         for (uint64_t k = 0; k < 200; ++k) {
             frames f = {.side = 24, .seeds = seeds[i], .step = 0.01, .noise = 1e-3, .random = 100 + k};
-            iso_extrapolated limit = extrapolate(&f, NULL);
+            OWNED(iso_extrapolated) limit = extrapolate(&f, NULL);
             if (is_rejected(&limit, true))
                 fail_msg("%zu seeds, group %d: %zu values beyond chance", seeds[i], (int)k, limit.noise.rejected);
-            iso_extrapolated_destroy(&limit);
         }
 }
 
@@ -151,19 +149,17 @@ TEST(only_what_the_reference_moves_is_excused)
                     .noise = 1e-6,
                     .random = i,
                     .amount = cases[i].amount};
-        iso_image unsteady;
+        OWNED(iso_image) unsteady;
         assert_ok(iso_image_create(&unsteady, f.side, f.side, &err));
         for (size_t k = 0; k < 4 * f.side * f.side; ++k)
             unsteady.rgba[k] = (float)cases[i].moves;
-        iso_extrapolated limit = extrapolate(&f, &unsteady);
+        OWNED(iso_extrapolated) limit = extrapolate(&f, &unsteady);
         assert_int_equal(is_rejected(&limit, false), cases[i].rejected);
         if (!cases[i].rejected) {
             assert_int_equal(limit.noise.excused, 3);
             assert_within(limit.noise.largest_excused, cases[i].amount,
                           1e-4); /* less a tolerance of 5e-5 and some noise */
         }
-        iso_extrapolated_destroy(&limit);
-        iso_image_destroy(&unsteady);
     }
 }
 

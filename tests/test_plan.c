@@ -23,7 +23,7 @@ static void make_scene(scene *s, iso_field_kind kind)
     iso_field f = {.kind = kind,
                    .geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 0.9, 1.2}),
                    .seed = 1};
-    iso_scene file;
+    OWNED(iso_scene) file;
     assert_ok(iso_field_sample(&f, ISO_F32, &s->volume, &err));
     iso_volume_stats stats = iso_volume_measure(&s->volume);
     iso_level level = {.geometry = f.geometry, .scalar = s->volume.data, .min = stats.min, .max = stats.max};
@@ -32,7 +32,6 @@ static void make_scene(scene *s, iso_field_kind kind)
     file.width = 48, file.height = 40;
     assert_ok(iso_scene_resolve(&file, &f.geometry, stats.min, stats.max, &s->view, &err));
     s->view.step_voxels = 1;
-    iso_scene_destroy(&file);
 }
 
 static void destroy_scene(scene *s)
@@ -75,16 +74,16 @@ static double rmse(const iso_image *a, const iso_image *b)
 TEST(prediction_bounds_the_model_and_is_near_the_measured_error)
 {
     scene s;
-    iso_plan p;
+    OWNED(iso_plan) p;
     make_scene(&s, ISO_FIELD_SHELLS);
     assert_ok(iso_plan_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
     const iso_brick_field f = {.nodes = &s.nodes, .levels = p.levels};
-    iso_image full = render(&f, &s.view);
+    OWNED(iso_image) full = render(&f, &s.view);
     size_t last = SIZE_MAX;
     static const double wanted[] = {0, 1e-3, 4e-3, 1.6e-2, 6.4e-2};
     for (size_t i = 0; i < 5; ++i) {
         double predicted = iso_plan_choose(&p, &s.nodes, wanted[i]);
-        iso_image image = render(&f, &s.view);
+        OWNED(iso_image) image = render(&f, &s.view);
         double measured = rmse(&image, &full);
         assert_at_most(predicted, wanted[i]);
         assert_true(nodes_of(&p, &s.nodes) <= last);
@@ -93,14 +92,10 @@ TEST(prediction_bounds_the_model_and_is_near_the_measured_error)
                    nodes_of(&p, &s.nodes));
         assert_at_most(measured, 4 * wanted[i] + 1e-4);
         last = nodes_of(&p, &s.nodes);
-        iso_image_destroy(&image);
     }
     memset(p.levels, 2, p.brick_count); /* all coarse: such a model must be rejected */
-    iso_image coarse = render(&f, &s.view);
+    OWNED(iso_image) coarse = render(&f, &s.view);
     assert_more_than(rmse(&coarse, &full), 0.02);
-    iso_image_destroy(&coarse);
-    iso_image_destroy(&full);
-    iso_plan_destroy(&p);
     destroy_scene(&s);
 }
 
@@ -109,14 +104,14 @@ TEST(a_voxel_alone_is_not_overlooked)
 {
     const size_t size[3] = {17, 17, 17}, middle = 8 + 17 * (8 + 17 * 8);
     static float scalar[17 * 17 * 17];
-    iso_scene file;
+    OWNED(iso_scene) file;
     assert_ok(iso_scene_load("refscenes/shells.scene.json", &file, &err));
     file.width = file.height = 24;
     for (size_t at = middle; at < middle + 4; ++at) {
         iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .scalar = scalar,
                            .max = 1};
         scene s = {0};
-        iso_plan p;
+        OWNED(iso_plan) p;
         memset(scalar, 0, sizeof scalar);
         scalar[at] = 1;
         assert_ok(iso_node_levels_create(&s.nodes, &level, 16, 3, true, 0, &err));
@@ -126,10 +121,8 @@ TEST(a_voxel_alone_is_not_overlooked)
         assert_ok(iso_plan_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
         iso_plan_choose(&p, &s.nodes, 1e-9);
         assert_int_equal(p.levels[0], 0);
-        iso_plan_destroy(&p);
         destroy_scene(&s);
     }
-    iso_scene_destroy(&file);
 }
 
 /* A step from 0 to 1 whose transfer function shows values near 1/4 alone: no voxel has one, and of level 1, whose value
@@ -144,9 +137,9 @@ TEST(values_visible_only_between_voxels_are_not_overlooked)
                                                              (const double[3]){1, 1, 1}),
                        .scalar = scalar,
                        .max = 1};
-    iso_scene file;
+    OWNED(iso_scene) file;
     scene s = {0};
-    iso_plan p;
+    OWNED(iso_plan) p;
     assert_ok(iso_scene_load("refscenes/shells.scene.json", &file, &err));
     file.width = file.height = 24;
     assert_ok(iso_node_levels_create(&s.nodes, &level, 16, 2, true, 0, &err));
@@ -158,23 +151,19 @@ TEST(values_visible_only_between_voxels_are_not_overlooked)
     }
     assert_ok(iso_plan_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
     const iso_brick_field f = {.nodes = &s.nodes, .levels = p.levels};
-    iso_image full = render(&f, &s.view);
+    OWNED(iso_image) full = render(&f, &s.view);
     p.levels[0] = 1;
-    iso_image coarse = render(&f, &s.view);
+    OWNED(iso_image) coarse = render(&f, &s.view);
     assert_more_than(rmse(&coarse, &full), 0.01); /* a model that must be rejected */
     iso_plan_choose(&p, &s.nodes, 1e-3);
     assert_int_equal(p.levels[0], 0);
-    iso_image_destroy(&coarse);
-    iso_image_destroy(&full);
-    iso_plan_destroy(&p);
     destroy_scene(&s);
-    iso_scene_destroy(&file);
 }
 
 TEST(plan_does_not_depend_on_threads)
 {
     scene s;
-    iso_plan one, two;
+    OWNED(iso_plan) one, two;
     make_scene(&s, ISO_FIELD_NOISE);
     assert_ok(iso_plan_create(&one, &s.nodes, &s.view, 1, 1, NULL, &err));
     assert_ok(iso_plan_create(&two, &s.nodes, &s.view, 1, 2, NULL, &err));
@@ -183,15 +172,13 @@ TEST(plan_does_not_depend_on_threads)
     assert_memory_equal(one.levels, two.levels, one.brick_count);
     assert_memory_equal(one.squares, two.squares, one.brick_count * one.level_count * sizeof *one.squares);
     assert_memory_equal(one.footprints, two.footprints, one.brick_count * sizeof *one.footprints);
-    iso_plan_destroy(&one);
-    iso_plan_destroy(&two);
     destroy_scene(&s);
 }
 
 TEST(bricks_behind_the_opaque_and_outside_the_view_are_left_out)
 {
     scene s;
-    iso_plan p;
+    OWNED(iso_plan) p;
     make_scene(&s, ISO_FIELD_CONSTANT);
     for (size_t i = 0; i < s.view.tf.count; ++i)
         s.view.tf.entries[4 * i + 3] = 5; /* per mm: nothing is seen beyond 2 mm */
@@ -209,7 +196,6 @@ TEST(bricks_behind_the_opaque_and_outside_the_view_are_left_out)
         else if (y == 4 && (z == 1 || z == 2))
             assert_more_than((double)p.footprints[i], 0);
     }
-    iso_plan_destroy(&p);
     destroy_scene(&s);
 }
 

@@ -31,10 +31,10 @@ typedef struct fixture {
 /* A plan of any levels that draws what the transfer function shows. */
 static void write_plan(const fixture *f)
 {
-    iso_node_levels n;
+    OWNED(iso_node_levels) n;
     assert_ok(iso_node_levels_create(&n, &f->level0, BRICK, LEVELS, false, 1, &err));
     const size_t count = iso_brick_count(&n);
-    uint8_t *levels = malloc(count), *drawn = malloc(count), *seen = malloc(count);
+    FREED uint8_t *levels = malloc(count), *drawn = malloc(count), *seen = malloc(count);
     iso_random random = {5};
     for (size_t i = 0; i < count; ++i)
         levels[i] = (uint8_t)iso_random_below(&random, LEVELS);
@@ -48,10 +48,6 @@ static void write_plan(const fixture *f)
     assert_ok(iso_json_save(f->plan, plan, &err));
     json_decref(bricks);
     json_decref(plan);
-    free(levels);
-    free(drawn);
-    free(seen);
-    iso_node_levels_destroy(&n);
 }
 
 static int setup(void **state)
@@ -69,11 +65,10 @@ static int setup(void **state)
     iso_volume_floats(&f->volume, floats);
     f->level0 = (iso_level){
         .geometry = field.geometry, .stored_type = ISO_U8, .min = stats.min, .max = stats.max, .scalar = floats};
-    iso_scene scene;
+    OWNED(iso_scene) scene;
     assert_ok(iso_scene_load("refscenes/shells.scene.json", &scene, &err));
     scene.width = scene.height = 8;
     assert_ok(iso_scene_resolve(&scene, &field.geometry, stats.min, stats.max, &f->view, &err));
-    iso_scene_destroy(&scene);
     f->tf = (iso_tf_table){.count = 65, .lo = stats.min, .hi = stats.max, .entries = calloc(4 * 65, sizeof(float))};
     for (size_t i = 40; i < 50; ++i) /* a band: cells with background in them show, too */
         f->tf.entries[4 * i + 3] = 1;
@@ -146,7 +141,7 @@ TEST_BETWEEN(a_lattice_depends_neither_on_threads_nor_on_how_level_0_is_stored, 
 {
     fixture *f = *state;
     iso_planned_lattices from_floats, from_bytes, from_others;
-    iso_planned floats, bytes;
+    OWNED(iso_planned) floats, bytes;
     open_plan(f, false, 1, &floats);
     open_plan(f, true, 2, &bytes);
     for (int merged = 0; merged < 2; ++merged) {
@@ -164,15 +159,13 @@ TEST_BETWEEN(a_lattice_depends_neither_on_threads_nor_on_how_level_0_is_stored, 
         iso_planned_lattices_destroy(&from_bytes);
         iso_planned_lattices_destroy(&from_others);
     }
-    iso_planned_destroy(&floats);
-    iso_planned_destroy(&bytes);
 }
 
 /* The largest difference of a grid's directions, once they are divided by what they were multiplied by, from the
  * lattice's; scalars are compared by their bits. */
 static double largest_loss(const fixture *f, const iso_lattice *l)
 {
-    char *path = iso_path_join(f->dir, "v.vdb");
+    FREED char *path = iso_path_join(f->dir, "v.vdb");
     iso_vdb_options o = iso_vdb_defaults();
     o.half_directions = true;
     assert_ok(iso_vdb_save_lattices(l, 1, "bytes", path, &o, NULL, &err));
@@ -182,7 +175,7 @@ static double largest_loss(const fixture *f, const iso_lattice *l)
         size[a] = shift[a] + l->size[a];
     }
     const size_t count = size[0] * size[1] * size[2];
-    float *scalars = malloc(count * sizeof *scalars), *directions = malloc(3 * count * sizeof *directions);
+    FREED float *scalars = malloc(count * sizeof *scalars), *directions = malloc(3 * count * sizeof *directions);
     assert_ok(iso_vdb_load_grid(path, "density", 1, size, scalars, NULL, &err));
     assert_ok(iso_vdb_load_grid(path, "gradient", 3, size, directions, NULL, &err));
     double worst = 0;
@@ -194,9 +187,6 @@ static double largest_loss(const fixture *f, const iso_lattice *l)
         for (size_t c = 0; c < 3; ++c)
             worst = fmax(worst, fabs((double)directions[3 * at + c] / ISO_VDB_LINEAR_SCALE - (double)node[1 + c]));
     }
-    free(scalars);
-    free(directions);
-    free(path);
     return worst;
 }
 
@@ -204,8 +194,8 @@ static double largest_loss(const fixture *f, const iso_lattice *l)
 TEST_BETWEEN(half_floats_of_a_lattice_lose_nothing, setup, teardown)
 {
     fixture *f = *state;
-    iso_planned_lattices lattices;
-    iso_planned p;
+    OWNED(iso_planned_lattices) lattices;
+    OWNED(iso_planned) p;
     open_plan(f, true, 1, &p);
     assert_ok(iso_planned_lattices_create(&p, true, false, 1, &lattices, &err));
     iso_lattice *l = &lattices.items[0];
@@ -229,8 +219,6 @@ TEST_BETWEEN(half_floats_of_a_lattice_lose_nothing, setup, teardown)
             for (size_t c = 1; c < ISO_NODE_CHANNELS; ++c)
                 l->blocks[i]->nodes[k][c] = rintf(1000 * l->blocks[i]->nodes[k][c]) / 1000;
     assert_more_than(largest_loss(f, l), 1e-5);
-    iso_planned_lattices_destroy(&lattices);
-    iso_planned_destroy(&p);
 }
 
 /* A scene of a crop; to be freed: the bytes of its file of that suffix, whose samples have `bits`. */
@@ -244,7 +232,7 @@ static uint8_t *write_df3(const fixture *f, const iso_planned_crop *crop, const 
     iso_povray_options o = iso_povray_defaults();
     char *dir = iso_path_join(f->dir, "pov"), name[32], *data;
     snprintf(name, sizeof name, "pov_%s.df3", suffix);
-    char *path = iso_path_join(dir, name);
+    FREED char *path = iso_path_join(dir, name);
     size_t size;
     o.box = (const double(*)[3])crop->box;
     o.quantum = crop->quantum;
@@ -252,7 +240,6 @@ static uint8_t *write_df3(const fixture *f, const iso_planned_crop *crop, const 
     assert_ok(iso_povray_export(&p, 0, &f->view, dir, &o, NULL, &err));
     assert_ok(iso_file_read(path, &data, &size, &err));
     *bits = 8 * (size - 6) / ((n[0] + 2) * (n[1] + 2) * (n[2] + 2));
-    free(path);
     free(dir);
     return (uint8_t *)data;
 }
@@ -283,13 +270,12 @@ static double largest_df3_error(const fixture *f, const iso_planned_crop *crop, 
 {
     const size_t *n = crop->level.geometry.size;
     const double lo = floor(crop->level.min / crop->quantum) * crop->quantum;
-    uint8_t *data = write_df3(f, crop, "scalar", bits);
+    FREED uint8_t *data = write_df3(f, crop, "scalar", bits);
     double worst = 0;
     for (size_t i = 0; i < n[0] * n[1] * n[2] && *bits == 16; ++i) {
         const uint8_t *at = sample_at(data, n, i, 2);
         worst = fmax(worst, fabs(lo + crop->quantum * (256 * at[0] + at[1]) - (double)node_at(&crop->lattice, i)[0]));
     }
-    free(data);
     return worst / crop->quantum;
 }
 
@@ -297,7 +283,7 @@ static double largest_df3_error(const fixture *f, const iso_planned_crop *crop, 
 TEST_BETWEEN(sixteen_bits_of_a_crop_lose_nothing, setup, teardown)
 {
     fixture *f = *state;
-    iso_planned p;
+    OWNED(iso_planned) p;
     iso_planned_crop crop;
     size_t bits;
     open_plan(f, true, 1, &p);
@@ -311,7 +297,6 @@ TEST_BETWEEN(sixteen_bits_of_a_crop_lose_nothing, setup, teardown)
     largest_df3_error(f, &crop, &bits);
     assert_int_equal(bits, 32);
     iso_planned_crop_destroy(&crop);
-    iso_planned_destroy(&p);
 }
 
 /* Voxels whose component in a scene's DF3 file is not the one that the lattice's direction is coded as. */
@@ -320,14 +305,13 @@ static size_t wrong_directions(const fixture *f, const iso_planned_crop *crop, s
     static const char *const suffixes[3] = {"dx", "dy", "dz"};
     const size_t *n = crop->level.geometry.size;
     size_t wrong = 0, bits;
-    uint8_t *data = write_df3(f, crop, suffixes[axis], &bits);
+    FREED uint8_t *data = write_df3(f, crop, suffixes[axis], &bits);
     assert_int_equal(bits, 8);
     for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i) {
         uint8_t code[3];
         iso_code_encode(ISO_CODE_FIT, node_at(&crop->lattice, i) + 1, code, 1);
         wrong += *sample_at(data, n, i, 1) != (uint8_t)(128 + (int8_t)code[axis]);
     }
-    free(data);
     return wrong;
 }
 
@@ -335,7 +319,7 @@ static size_t wrong_directions(const fixture *f, const iso_planned_crop *crop, s
 TEST_BETWEEN(directions_of_a_crop_are_those_of_its_lit_nodes, setup, teardown)
 {
     fixture *f = *state;
-    iso_planned p;
+    OWNED(iso_planned) p;
     iso_planned_crop crop;
     open_plan(f, true, 1, &p);
     assert_ok(iso_planned_crop_create(&p, &f->level0, 1, &crop, &err));
@@ -351,7 +335,6 @@ TEST_BETWEEN(directions_of_a_crop_are_those_of_its_lit_nodes, setup, teardown)
         wrong += wrong_directions(f, &crop, axis);
     assert_true(wrong > 0 && wrong <= 3);
     iso_planned_crop_destroy(&crop);
-    iso_planned_destroy(&p);
 }
 
 TEST_MAIN(NULL, NULL)

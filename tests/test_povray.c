@@ -77,14 +77,13 @@ TEST(lock_step_agrees_with_float_directions)
     opt.quadrature = c.quadrature;
     opt.source = ISO_FROM_FLOAT;
     opt.intervals = c.options.intervals;
-    iso_image wanted;
+    OWNED(iso_image) wanted;
     double rmse;
     render_povray(&c.pyramid, c.level, &c.view, &c.options, &c.image);
     assert_ok(iso_reference_render(&c.pyramid.levels[1], ISO_CODE_SNORM, &c.view, &opt, &wanted, NULL, &err));
     assert_at_most(largest_difference(&c.image, &wanted, &rmse), lock_step_max);
     /* Their own reference, not the codes': half a code step turns a direction by .2 degrees. */
     assert_more_than(compare(&c, &rmse), 10 * lock_step_max);
-    iso_image_destroy(&wanted);
     end_comparison(&c);
 }
 
@@ -323,22 +322,21 @@ TEST(an_exported_folder_renders_where_it_lies)
 {
     comparison c = lock_step(1, true, 300);
     c.options.planes = 2;
-    char *base = iso_make_temp_dir(), *dir = iso_path_join(base, "two words"), *program;
+    FREED char *base = iso_make_temp_dir(), *dir = iso_path_join(base, "two words"), *program;
     assert_ok(iso_povray_export(&c.pyramid, 1, &c.view, dir, &c.options, NULL, &err));
     static const char *const names[] = {"two_words.pov",        "two_words.inc",    "two_words.ini",
                                         "two_words_scalar.df3", "two_words_dx.df3", "two_words_dy.df3",
                                         "two_words_dz.df3"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-        char *path = iso_path_join(dir, names[i]);
+        FREED char *path = iso_path_join(dir, names[i]);
         assert_true(iso_path_exists(path));
-        free(path);
     }
     assert_ok(iso_process_find("povray", "povray", &program, &err));
     const char *argv[] = {program, "two_words.ini", NULL};
     const iso_process_options options = {.directory = dir};
     assert_ok(iso_process_run(argv, &options, &err));
-    char *png = iso_path_join(dir, "two_words.png");
-    iso_image picture;
+    FREED char *png = iso_path_join(dir, "two_words.png");
+    OWNED(iso_image) picture;
     assert_ok(iso_image_load_png(png, &picture, &err));
     render_povray(&c.pyramid, 1, &c.view, &c.options, &c.image);
     assert_at_most(largest_color_difference(&picture, &c.image), png_max);
@@ -346,7 +344,6 @@ TEST(an_exported_folder_renders_where_it_lies)
     c.options.intervals /= 2; /* another step is another picture */
     render_povray(&c.pyramid, 1, &c.view, &c.options, &c.image);
     assert_more_than(largest_color_difference(&picture, &c.image), 2 * png_max);
-    iso_image_destroy(&picture);
     /* The same name again replaces it, but for what POV-Ray drew into it; a folder of something else stays. */
     assert_status(iso_povray_export(&c.pyramid, 0, &c.view, dir, &c.options, NULL, &err), ISO_E_IO);
     assert_true(iso_path_exists(png));
@@ -354,10 +351,6 @@ TEST(an_exported_folder_renders_where_it_lies)
     assert_ok(iso_povray_export(&c.pyramid, 0, &c.view, dir, &c.options, NULL, &err));
     assert_status(iso_povray_export(&c.pyramid, 0, &c.view, base, &c.options, NULL, &err), ISO_E_IO);
     iso_remove_tree(base);
-    free(png);
-    free(program);
-    free(dir);
-    free(base);
     end_comparison(&c);
 }
 

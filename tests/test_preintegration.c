@@ -104,13 +104,12 @@ static iso_view make_ramp_view(float *table)
 
 static double alpha_of(const iso_level *level, const iso_view *view, iso_quadrature quadrature, double step)
 {
-    iso_image image;
+    OWNED(iso_image) image;
     iso_reference_options opt = iso_reference_defaults();
     opt.quadrature = quadrature;
     opt.step_voxels = step;
     assert_ok(iso_reference_render(level, ISO_CODE_SNORM, view, &opt, &image, NULL, &err));
     double alpha = (double)image.rgba[3];
-    iso_image_destroy(&image);
     return alpha;
 }
 
@@ -118,7 +117,7 @@ static double alpha_of(const iso_level *level, const iso_view *view, iso_quadrat
  * stays on the ramp; the midpoint rule, which falls beside it, is the fault that the tolerance rejects. */
 TEST(a_shell_thinner_than_a_step_keeps_its_opacity)
 {
-    float *table = calloc(4 * 1001, sizeof *table);
+    FREED float *table = calloc(4 * 1001, sizeof *table);
     table[4 * 400 + 3] = 100;
     table[4 * 400] = 1;
     iso_level level = make_ramp();
@@ -129,7 +128,6 @@ TEST(a_shell_thinner_than_a_step_keeps_its_opacity)
     assert_true(fabs(alpha_of(&level, &view, ISO_QUADRATURE_MIDPOINT, 1) - exact) > 0.1);
     free(level.scalar);
     free(level.codes);
-    free(table);
 }
 
 /* ---- the ray caster ------------------------------------------------------------------------------------------------- */
@@ -152,8 +150,8 @@ static scene_of_field make_scene(const char *path, iso_field_kind kind, iso_type
     const size_t size[3] = {40, 33, 28};
     const double spacing[3] = {1, 0.8, 1.7};
     iso_field f = {.kind = kind, .geometry = iso_geometry_axis_aligned(size, spacing), .seed = 1};
-    iso_volume v;
-    iso_scene scene;
+    OWNED(iso_volume) v;
+    OWNED(iso_scene) scene;
     scene_of_field s;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
@@ -162,8 +160,6 @@ static scene_of_field make_scene(const char *path, iso_field_kind kind, iso_type
     assert_ok(iso_scene_load(path, &scene, &err));
     assert_ok(iso_scene_resolve(&scene, &f.geometry, s.pyramid.levels[0].min, s.pyramid.levels[0].max, &s.view, &err));
     s.view.width = s.view.height = 48;
-    iso_scene_destroy(&scene);
-    iso_volume_destroy(&v);
     return s;
 }
 
@@ -206,18 +202,15 @@ TEST(the_ray_caster_agrees_with_the_reference)
                 iso_reference_options opt = iso_reference_defaults();
                 opt.quadrature = ISO_QUADRATURE_PREINTEGRATED;
                 opt.step_voxels = step;
-                iso_image wanted, dense = render_gl(gl, &s, k, true, ISO_GL_SKIP_NEVER, step),
-                                  sparse = render_gl(gl, &s, k, true, ISO_GL_SKIP_ALWAYS, step),
-                                  midpoint = render_gl(gl, &s, k, false, ISO_GL_SKIP_NEVER, step);
+                OWNED(iso_image)
+                wanted, dense = render_gl(gl, &s, k, true, ISO_GL_SKIP_NEVER, step),
+                        sparse = render_gl(gl, &s, k, true, ISO_GL_SKIP_ALWAYS, step),
+                        midpoint = render_gl(gl, &s, k, false, ISO_GL_SKIP_NEVER, step);
                 assert_ok(iso_reference_render(&s.pyramid.levels[k], s.pyramid.options.code, &s.view, &opt, &wanted,
                                                NULL, &err));
                 assert_at_most(worst_difference(&wanted, &dense), 5e-5);
                 assert_at_most(worst_difference(&wanted, &sparse), 5e-5);
                 assert_more_than(worst_difference(&wanted, &midpoint), 1e-3);
-                iso_image_destroy(&wanted);
-                iso_image_destroy(&dense);
-                iso_image_destroy(&sparse);
-                iso_image_destroy(&midpoint);
             }
         destroy_scene(&s);
     }

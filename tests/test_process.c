@@ -130,7 +130,7 @@ static void *run_in_a_thread(void *user)
 /* The second says "ready" when the first runs: each waits at the fifo for the other. */
 TEST(programs_of_two_threads_run_at_once_and_one_signal_ends_both)
 {
-    char *fifo = iso_path_join(folder, "fifo");
+    FREED char *fifo = iso_path_join(folder, "fifo");
     assert_int_equal(mkfifo(fifo, 0600), 0);
     const iso_sandbox_wish all_rights = {.kind = ISO_SANDBOX_NONE}; /* the fifo is in no folder of theirs */
     run runs[2] = {{.argv = {"/bin/sh", "-c", "echo up >\"$0\"; exec sleep 3600", fifo, NULL},
@@ -142,7 +142,6 @@ TEST(programs_of_two_threads_run_at_once_and_one_signal_ends_both)
         assert_int_equal(pthread_create(&threads[i], NULL, run_in_a_thread, &runs[i]), 0);
     for (int i = 0; i < 2; ++i)
         pthread_join(threads[i], NULL);
-    free(fifo);
     for (int i = 0; i < 2; ++i) {
         assert_int_equal(runs[i].status, ISO_E_PROGRAM);
         assert_non_null(strstr(runs[i].error.text, "stopped by signal 15"));
@@ -183,7 +182,7 @@ TEST(one_that_cannot_be_started_says_why)
     assert_int_equal(iso_process_run(echo, NULL, &err), ISO_E_PROGRAM);
     assert_non_null(strstr(err.text, "exit code 127"));
     /* A script whose interpreter is not there. */
-    char *script = iso_path_join(folder, "script");
+    FREED char *script = iso_path_join(folder, "script");
     const int fd = open(script, O_WRONLY | O_CREAT, 0700);
     assert_true(fd >= 0 && write(fd, "#!/no/such/program\n", 19) == 19);
     close(fd);
@@ -193,7 +192,6 @@ TEST(one_that_cannot_be_started_says_why)
     assert_int_equal(iso_process_run(argv, &options, &err), ISO_E_MISSING);
     assert_non_null(strstr(err.text, "cannot be started: No such file"));
     assert_int_equal(outcome.exit_code, -1);
-    free(script);
 }
 
 /* As a user whose processes are as many as may be: root may have any number. A process of its own, since rights do not

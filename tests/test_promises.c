@@ -51,7 +51,7 @@ TEST(a_constant_gradient_is_kept_at_every_level)
 {
     const iso_geometry g = oblique(9, 7, 11);
     const iso_vec3 slope = iso_v3(0.8, -1.1, 0.5), unit = iso_normalize(slope);
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "test", &err));
     for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i) {
         size_t at[3];
@@ -62,19 +62,17 @@ TEST(a_constant_gradient_is_kept_at_every_level)
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
         iso_pyramid_options opt = keeping((iso_direction_filter)filter);
         opt.gauss_radius = 3;
-        iso_pyramid p = build(&v, &opt);
+        OWNED(iso_pyramid) p = build(&v, &opt);
         for (size_t k = 0; k < p.level_count; ++k)
             for (size_t i = 0; i < iso_geometry_voxel_count(&p.levels[k].geometry); ++i) {
                 /* values up to 30 in float, differences of about 1: 30 times 2^-24, and some sums */
                 assert_at_most(iso_norm(iso_sub(direction_at(&p.levels[k], i), unit)), 1e-5);
                 assert_within(p.levels[k].magnitude[i], iso_norm(slope), 1e-5);
             }
-        iso_pyramid_destroy(&p);
     }
     /* the fault: index gradients taken to the world as if they were points */
     const iso_vec3 index_slope = iso_mul(iso_mat3_transpose(g.index_to_world), slope);
     assert_more_than(iso_norm(iso_sub(iso_normalize(iso_mul(g.index_to_world, index_slope)), unit)), 0.1);
-    iso_volume_destroy(&v);
 }
 
 static double smooth(iso_vec3 p, iso_vec3 *gradient)
@@ -154,7 +152,7 @@ static size_t outside_cone(const iso_level *l, double cosine)
 TEST(directions_stay_in_the_cone_of_their_children)
 {
     const iso_geometry g = plain(16, 15, 17);
-    iso_volume v = cone_volume(&g);
+    OWNED(iso_volume) v = cone_volume(&g);
     const struct {
         iso_direction_filter filter;
         size_t radius, exponent;
@@ -164,7 +162,7 @@ TEST(directions_stay_in_the_cone_of_their_children)
         iso_pyramid_options opt = keeping(cases[c].filter);
         opt.gauss_radius = cases[c].radius;
         opt.eq1_exponent = cases[c].exponent;
-        iso_pyramid p = build(&v, &opt);
+        OWNED(iso_pyramid) p = build(&v, &opt);
         double cosine = 1;
         for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i)
             cosine = fmin(cosine, direction_at(&p.levels[0], i).x);
@@ -185,9 +183,7 @@ TEST(directions_stay_in_the_cone_of_their_children)
         for (size_t i = 3 * iso_geometry_voxel_count(&l->geometry); i-- > 3;)
             d[i] = 3 * d[i] - 2 * d[i - 3];
         assert_true(outside_cone(l, cosine) > 0);
-        iso_pyramid_destroy(&p);
     }
-    iso_volume_destroy(&v);
 }
 
 /* ---- coherence ---- */
@@ -195,7 +191,7 @@ TEST(directions_stay_in_the_cone_of_their_children)
 TEST(parallel_gradients_keep_their_length)
 {
     iso_geometry g = plain(8, 6, 4);
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
     for (size_t i = 0; i < 192; ++i)
         ((uint8_t *)v.data)[i] = (uint8_t)(20 * (i % 8));
@@ -212,14 +208,13 @@ TEST(parallel_gradients_keep_their_length)
     p = build(&v, &opt);
     assert_at_most(p.levels[1].directions[3 * 1], 0.9);
     iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 /* 0 1 1 0 repeated has the gradients + + - - of one length: level 1 keeps them, level 2 has nothing left. */
 TEST(opposite_gradients_cancel)
 {
     iso_geometry g = plain(16, 4, 4);
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_U8, "test", &err));
     for (size_t i = 0; i < 256; ++i)
         ((uint8_t *)v.data)[i] = (uint8_t)((i % 4 + 1) / 2 % 2);
@@ -236,7 +231,6 @@ TEST(opposite_gradients_cancel)
     p = build(&v, &opt);
     assert_more_than(fabs((double)p.levels[2].directions[3]) + fabs((double)p.levels[2].directions[4]), 1e-3);
     iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST(volumes_without_gradients_have_no_directions)
@@ -245,20 +239,18 @@ TEST(volumes_without_gradients_have_no_directions)
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s)
         for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
             iso_geometry g = plain(sizes[s][0], sizes[s][1], sizes[s][2]);
-            iso_volume v;
+            OWNED(iso_volume) v;
             assert_ok(iso_volume_create(&v, &g, ISO_F32, "test", &err));
             for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i)
                 ((float *)v.data)[i] = 7.5f;
             iso_pyramid_options opt = keeping(filter);
-            iso_pyramid p = build(&v, &opt);
+            OWNED(iso_pyramid) p = build(&v, &opt);
             for (size_t k = 0; k < p.level_count; ++k)
                 for (size_t i = 0; i < iso_geometry_voxel_count(&p.levels[k].geometry); ++i) {
                     const float *d = p.levels[k].directions + 3 * i;
                     assert_true(d[0] == 0 && d[1] == 0 && d[2] == 0 && p.levels[k].magnitude[i] == 0);
                     assert_true(p.levels[k].scalar[i] == 7.5f);
                 }
-            iso_pyramid_destroy(&p);
-            iso_volume_destroy(&v);
         }
 }
 
@@ -293,15 +285,11 @@ TEST(turning_the_grid_turns_the_directions)
         }
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
         /* one main axis everywhere: where two are as good, the tensor's choice follows no rotation */
-        iso_volume v = cone_volume(&g), w = cone_volume(&turned);
+        OWNED(iso_volume) v = cone_volume(&g), w = cone_volume(&turned);
         const iso_pyramid_options opt = keeping((iso_direction_filter)filter);
-        iso_pyramid p = build(&v, &opt), q = build(&w, &opt);
+        OWNED(iso_pyramid) p = build(&v, &opt), q = build(&w, &opt);
         assert_at_most(largest_turned_difference(&p, &q, turn), 1e-5); /* another matrix of floats: some roundings */
         assert_more_than(largest_turned_difference(&p, &q, iso_mat3_transpose(turn)), 0.1);
-        iso_pyramid_destroy(&p);
-        iso_pyramid_destroy(&q);
-        iso_volume_destroy(&v);
-        iso_volume_destroy(&w);
     }
 }
 
@@ -312,7 +300,7 @@ TEST(exchanging_axes_exchanges_components)
     iso_geometry other = iso_geometry_axis_aligned((size_t[]){8, 10, 9}, (double[]){2.5, 1, 0.75});
     const iso_mat3 turn = {{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}};
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
-        iso_volume v = cone_volume(&g), w;
+        OWNED(iso_volume) v = cone_volume(&g), w;
         assert_ok(iso_volume_create(&w, &other, ISO_F32, "test", &err));
         for (size_t i = 0; i < 720; ++i) {
             size_t at[3];
@@ -320,7 +308,7 @@ TEST(exchanging_axes_exchanges_components)
             ((float *)w.data)[(at[1] * 10 + at[0]) * 8 + at[2]] = ((float *)v.data)[i];
         }
         const iso_pyramid_options opt = keeping((iso_direction_filter)filter);
-        iso_pyramid p = build(&v, &opt), q = build(&w, &opt);
+        OWNED(iso_pyramid) p = build(&v, &opt), q = build(&w, &opt);
         double largest = 0, unturned = 0;
         for (size_t k = 0; k < p.level_count; ++k) {
             const size_t *n = q.levels[k].geometry.size;
@@ -335,10 +323,6 @@ TEST(exchanging_axes_exchanges_components)
         }
         assert_at_most(largest, 1e-5); /* sums in another order */
         assert_more_than(unturned, 0.1);
-        iso_pyramid_destroy(&p);
-        iso_pyramid_destroy(&q);
-        iso_volume_destroy(&v);
-        iso_volume_destroy(&w);
     }
 }
 
@@ -348,7 +332,7 @@ TEST(flipping_an_axis_flips_the_codes)
     const size_t n[3] = {8, 16, 12};
     for (int axis = 0; axis < 3; ++axis)
         for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
-            iso_volume v = noise(n[0], n[1], n[2]), w = noise(n[0], n[1], n[2]);
+            OWNED(iso_volume) v = noise(n[0], n[1], n[2]), w = noise(n[0], n[1], n[2]);
             for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i) {
                 size_t at[3];
                 place(&v.geometry, i, at);
@@ -357,7 +341,7 @@ TEST(flipping_an_axis_flips_the_codes)
             }
             iso_pyramid_options opt = keeping(filter);
             opt.level_count = 3;
-            iso_pyramid p = build(&v, &opt), q = build(&w, &opt);
+            OWNED(iso_pyramid) p = build(&v, &opt), q = build(&w, &opt);
             /* Taps of a Gaussian and of a tent are summed in one order: a last bit may fall across a code's border. */
             const int tolerance = filter == ISO_DIRECTION_EQ1 || filter == ISO_DIRECTION_LEAST_SQUARES;
             size_t unflipped = 0; /* the fault: the voxels move, their directions do not turn */
@@ -376,10 +360,6 @@ TEST(flipping_an_axis_flips_the_codes)
                 }
             }
             assert_true(unflipped > 100);
-            iso_pyramid_destroy(&p);
-            iso_pyramid_destroy(&q);
-            iso_volume_destroy(&v);
-            iso_volume_destroy(&w);
         }
 }
 
@@ -401,7 +381,7 @@ TEST(scaling_and_offsetting_the_values_changes_no_direction)
         double a, b;
     } maps[] = {{0x1p-90, 0}, {0x1p+100, 0}, {3, 0}, {-1, 0}, {0.25, 0.5}};
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
-        iso_volume v = noise(9, 8, 10), w = noise(9, 8, 10);
+        OWNED(iso_volume) v = noise(9, 8, 10), w = noise(9, 8, 10);
         const iso_pyramid_options opt = keeping((iso_direction_filter)filter);
         iso_pyramid p = build(&v, &opt), q;
         for (size_t m = 0; m < sizeof maps / sizeof *maps; ++m) {
@@ -418,8 +398,6 @@ TEST(scaling_and_offsetting_the_values_changes_no_direction)
         assert_true(codes_apart(&p, &q, false, 1) > 100);
         iso_pyramid_destroy(&q);
         iso_pyramid_destroy(&p);
-        iso_volume_destroy(&v);
-        iso_volume_destroy(&w);
     }
 }
 
@@ -439,7 +417,7 @@ TEST(shifting_by_whole_coarse_voxels_shifts_the_codes)
 {
     const size_t shift = 8, count = 64 * 12 * 9;
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
-        iso_volume v = noise(64, 12, 9), w = noise(64, 12, 9);
+        OWNED(iso_volume) v = noise(64, 12, 9), w = noise(64, 12, 9);
         for (size_t i = 0; i + shift < count; ++i)
             ((float *)w.data)[i] = ((float *)v.data)[i + shift];
         const iso_pyramid_options opt = keeping((iso_direction_filter)filter);
@@ -460,8 +438,6 @@ TEST(shifting_by_whole_coarse_voxels_shifts_the_codes)
         assert_true(codes_not_shifted(&p, &q, 3, 4, 1) > 10);
         iso_pyramid_destroy(&p);
         iso_pyramid_destroy(&q);
-        iso_volume_destroy(&v);
-        iso_volume_destroy(&w);
     }
 }
 
@@ -502,13 +478,11 @@ static double moments_from_below(const iso_pyramid *p, bool directions_alone)
 
 TEST(moments_are_sums_of_those_below_and_not_of_stored_directions)
 {
-    iso_volume v = noise(19, 16, 13);
+    OWNED(iso_volume) v = noise(19, 16, 13);
     const iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
-    iso_pyramid p = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     assert_at_most(moments_from_below(&p, false), 1e-5); /* floats taken apart and put together */
     assert_more_than(moments_from_below(&p, true), 0.1);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 /* Voxels of coarse levels that differ although none of the stencil of fine voxel `changed` lies below them. */
@@ -535,20 +509,17 @@ TEST(a_voxel_reaches_only_what_lies_above_its_stencil)
 {
     const size_t changed[3] = {13, 8, 7};
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
-        iso_volume v = noise(24, 20, 16);
+        OWNED(iso_volume) v = noise(24, 20, 16);
         const iso_pyramid_options opt = keeping((iso_direction_filter)filter);
-        iso_pyramid p = build(&v, &opt);
+        OWNED(iso_pyramid) p = build(&v, &opt);
         ((float *)v.data)[(changed[2] * 20 + changed[1]) * 24 + changed[0]] += 3;
-        iso_pyramid q = build(&v, &opt);
+        OWNED(iso_pyramid) q = build(&v, &opt);
         /* four taps an axis; tents and neighbors' systems: what breaks the promise, and is known to */
         if (filter == ISO_DIRECTION_EQ1 || filter == ISO_DIRECTION_LEAST_SQUARES)
             assert_true(changed_elsewhere(&p, &q, changed) > 10);
         else
             assert_int_equal(changed_elsewhere(&p, &q, changed), 0);
         assert_true(memcmp(p.levels[1].directions, q.levels[1].directions, 3 * 12 * 10 * 8 * sizeof(float)) != 0);
-        iso_pyramid_destroy(&p);
-        iso_pyramid_destroy(&q);
-        iso_volume_destroy(&v);
     }
 }
 

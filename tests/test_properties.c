@@ -148,12 +148,11 @@ TEST(any_direction_comes_back_from_each_code)
 
 static const char *check_pyramid(const iso_pyramid *p, const iso_volume *v, iso_pyramid *loaded)
 {
-    char *path = iso_path_join(folder, "p.iso");
+    FREED char *path = iso_path_join(folder, "p.iso");
     iso_error err = {""};
     const char *why = iso_pyramid_save(p, path, &err) != ISO_OK        ? "it cannot be saved"
                       : iso_pyramid_load(path, loaded, &err) != ISO_OK ? "it cannot be loaded"
                                                                        : NULL;
-    free(path);
     for (size_t k = 0; k < p->level_count && !why; ++k) {
         const iso_level *a = &p->levels[k], *b = &loaded->levels[k];
         const size_t count = iso_geometry_voxel_count(&a->geometry);

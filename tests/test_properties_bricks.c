@@ -331,8 +331,8 @@ TEST(a_plan_stays_within_its_error_and_more_error_is_no_more_model)
 static const char *file_fails_with(const unsigned *n, bool seen_is_lost)
 {
     layout l = layout_of(n);
-    char *path = iso_path_join(folder, "plan.json");
-    uint8_t *seen = malloc(l.count);
+    FREED char *path = iso_path_join(folder, "plan.json");
+    FREED uint8_t *seen = malloc(l.count);
     iso_plan_file back = {0};
     iso_error err = {""};
     assert_non_null(path);
@@ -355,8 +355,6 @@ static const char *file_fails_with(const unsigned *n, bool seen_is_lost)
         why = "it is not read as it was written";
     json_decref(root);
     iso_plan_file_destroy(&back);
-    free(seen);
-    free(path);
     destroy_layout(&l);
     return why;
 }

@@ -11,14 +11,13 @@
 
 static void expect_word(const char *word, const char *expected)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
     assert_non_null(f);
     iso_provenance_put_word(f, word);
     fclose(f);
     assert_string_equal(text, expected);
-    free(text);
 }
 
 TEST(relative_paths_are_kept)
@@ -52,9 +51,8 @@ TEST(a_path_with_a_comma_leaves_no_folder)
 
 TEST(lines_follow_their_words)
 {
-    char *line = iso_provenance_line("isoshade build in/a.nrrd '/home/jane doe/b.nrrd' && ls");
+    FREED char *line = iso_provenance_line("isoshade build in/a.nrrd '/home/jane doe/b.nrrd' && ls");
     assert_string_equal(line, "isoshade build in/a.nrrd b.nrrd && ls");
-    free(line);
     assert_string_equal(iso_provenance_path("in/a"), "in/a");
     assert_string_equal(iso_provenance_path("/in/a"), "a");
 }

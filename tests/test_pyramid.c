@@ -28,12 +28,11 @@ static field field_of_gradients(const iso_volume *v)
 {
     const size_t *n = v->geometry.size, count = n[0] * n[1] * n[2];
     field f = {{n[0], n[1], n[2]}, malloc(3 * count * sizeof(double))};
-    float *g = malloc(3 * count * sizeof *g);
+    FREED float *g = malloc(3 * count * sizeof *g);
     iso_gradient_options opt = iso_gradient_defaults();
     assert_ok(iso_gradient_compute(v, &opt, g, &err));
     for (size_t i = 0; i < 3 * count; ++i)
         f.data[i] = g[i];
-    free(g);
     return f;
 }
 
@@ -118,15 +117,15 @@ static const double float_sums = 1e-5;
 
 TEST(moments_equal_the_direct_sum_over_all_fine_children)
 {
-    iso_volume v = noise(11, 6, 9);
+    OWNED(iso_volume) v = noise(11, 6, 9);
     iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
-    iso_pyramid p = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     field fine = field_of_gradients(&v);
     assert_int_equal(p.level_count, 4);
     for (size_t k = 1; k < p.level_count; ++k) {
         const iso_level *l = &p.levels[k];
         const size_t count = iso_geometry_voxel_count(&l->geometry);
-        double *expected = malloc(3 * count * sizeof *expected), *linear = malloc(3 * count * sizeof *linear);
+        FREED double *expected = malloc(3 * count * sizeof *expected), *linear = malloc(3 * count * sizeof *linear);
         for (size_t i = 0; i < count; ++i) {
             size_t at[3];
             double s[4];
@@ -142,12 +141,8 @@ TEST(moments_equal_the_direct_sum_over_all_fine_children)
         }
         assert_at_most(largest_difference(l, expected), float_sums);
         assert_more_than(largest_difference(l, linear), float_sums); /* L instead of L^2 */
-        free(expected);
-        free(linear);
     }
     free(fine.data);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 /* One level of Eq. 1 from the next finer one, by direct sums: 3 doubles a voxel. */
@@ -186,13 +181,13 @@ typedef struct eq1_case {
 /* Every level from the one below as it is expected, so that no rounding is handed on. What options change must show. */
 static void check_eq1(const eq1_case *c)
 {
-    iso_volume v = noise(c->size[0], c->size[1], c->size[2]);
+    OWNED(iso_volume) v = noise(c->size[0], c->size[1], c->size[2]);
     iso_pyramid_options opt = keeping(ISO_DIRECTION_EQ1);
     opt.gauss_radius = c->radius;
     opt.gauss_sigma_voxels = c->sigma;
     opt.eq1_exponent = c->exponent;
     opt.level_count = 3;
-    iso_pyramid p = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     field fine = field_of_gradients(&v);
     for (size_t k = 1; k < p.level_count; ++k) {
         const iso_level *l = &p.levels[k];
@@ -211,17 +206,15 @@ static void check_eq1(const eq1_case *c)
              * little */
             const double reach = (double)c->radius / c->sigma;
             const bool shows = f == 0 ? reach <= 2 : f == 1 || (c->radius > 1 && reach > 0.1);
-            double *other = direct_eq1(&fine, &l->geometry, faults[f].radius, faults[f].sigma, faults[f].exponent);
+            FREED double *other = direct_eq1(&fine, &l->geometry, faults[f].radius, faults[f].sigma,
+                                             faults[f].exponent);
             if (shows)
                 assert_more_than(eq1_difference(l, other), 1e-4);
-            free(other);
         }
         free(fine.data);
         fine = (field){{l->geometry.size[0], l->geometry.size[1], l->geometry.size[2]}, expected};
     }
     free(fine.data);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST(equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients)
@@ -240,14 +233,14 @@ TEST(equation_1_equals_its_direct_sum_iterated_from_the_finest_gradients)
 
 TEST(naive_directions_are_unit_means)
 {
-    iso_volume v = noise(7, 8, 5);
+    OWNED(iso_volume) v = noise(7, 8, 5);
     iso_pyramid_options opt = keeping(ISO_DIRECTION_NAIVE);
-    iso_pyramid p = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     field fine = field_of_gradients(&v);
     for (size_t k = 1; k < p.level_count; ++k) {
         const iso_level *l = &p.levels[k];
         const size_t count = iso_geometry_voxel_count(&l->geometry);
-        double *unit = malloc(3 * count * sizeof *unit);
+        FREED double *unit = malloc(3 * count * sizeof *unit);
         for (size_t i = 0; i < count; ++i) {
             size_t at[3];
             double s[4];
@@ -258,11 +251,8 @@ TEST(naive_directions_are_unit_means)
                 unit[3 * i + c] = s[c] / length;
         }
         assert_at_most(largest_difference(l, unit), 1e-4);
-        free(unit);
     }
     free(fine.data);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 /* The main axis of a symmetric matrix by many plain power iterations; *gap is how far the second eigenvalue lies
@@ -320,9 +310,9 @@ TEST(tensor_directions_are_the_main_axis_on_the_mean_s_side)
 
 TEST(mean_scalars_continue_the_edge_at_odd_sizes)
 {
-    iso_volume v = noise(5, 1, 10);
+    OWNED(iso_volume) v = noise(5, 1, 10);
     iso_pyramid_options opt = iso_pyramid_defaults();
-    iso_pyramid p = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     const size_t wanted[][3] = {{5, 1, 10}, {3, 1, 5}, {2, 1, 3}, {1, 1, 2}};
     assert_int_equal(p.level_count, 4);
     for (size_t k = 0; k < 4; ++k) {
@@ -339,18 +329,16 @@ TEST(mean_scalars_continue_the_edge_at_odd_sizes)
             assert_true(l->min <= l->scalar[i] && l->scalar[i] <= l->max);
         }
     }
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST(gaussian_scalars_equal_their_direct_sum)
 {
-    iso_volume v = noise(7, 6, 5);
+    OWNED(iso_volume) v = noise(7, 6, 5);
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.scalar_filter = ISO_SCALAR_GAUSS;
     opt.gauss_sigma_voxels = 1.3;
     opt.level_count = 2;
-    iso_pyramid p = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     const iso_level *l = &p.levels[1];
     for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i) {
         size_t at[3];
@@ -369,8 +357,6 @@ TEST(gaussian_scalars_equal_their_direct_sum)
                 }
         assert_within(l->scalar[i], sum / weights, 1e-6); /* float sums of 64 values below 1 */
     }
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 /* ---- which levels, and which bytes ---- */
@@ -381,50 +367,45 @@ TEST(levels_of_a_single_voxel_are_left_out)
         size_t size[3], levels;
     } cases[] = {{{4, 1, 1}, 2}, {{1, 1, 1}, 1}, {{8, 5, 2}, 3}, {{9, 1, 1}, 4}};
     for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
-        iso_volume v = noise(cases[c].size[0], cases[c].size[1], cases[c].size[2]);
+        OWNED(iso_volume) v = noise(cases[c].size[0], cases[c].size[1], cases[c].size[2]);
         iso_pyramid_options opt = iso_pyramid_defaults();
         opt.level_count = 12;
-        iso_pyramid p = build(&v, &opt);
+        OWNED(iso_pyramid) p = build(&v, &opt);
         assert_int_equal(p.level_count, cases[c].levels);
-        iso_pyramid_destroy(&p);
-        iso_volume_destroy(&v);
     }
 }
 
 TEST(thread_counts_give_the_same_bytes)
 {
-    iso_volume v = noise(17, 13, 11);
+    OWNED(iso_volume) v = noise(17, 13, 11);
     for (int filter = 0; filter < ISO_DIRECTION_COUNT; ++filter) {
         iso_pyramid_options opt = keeping(filter);
         opt.scalar_filter = filter % ISO_SCALAR_COUNT;
         opt.threads = 1;
-        iso_pyramid one = build(&v, &opt);
+        OWNED(iso_pyramid) one = build(&v, &opt);
         opt.threads = 3;
-        iso_pyramid three = build(&v, &opt);
+        OWNED(iso_pyramid) three = build(&v, &opt);
         assert_true(same_levels(&one, &three));
         three.levels[1].codes[5] ^= 1; /* the comparison must see one bit */
         assert_false(same_levels(&one, &three));
-        iso_pyramid_destroy(&one);
-        iso_pyramid_destroy(&three);
     }
-    iso_volume_destroy(&v);
 }
 
 /* Straight from the rows (fit, snorm) or by triples, with the floats or without: the bytes of the encoder. A shift
  * by one voxel, the planted fault, is not what is stored. */
 TEST(codes_are_those_of_the_directions_of_their_level)
 {
-    iso_volume v = noise(13, 9, 10);
+    OWNED(iso_volume) v = noise(13, 9, 10);
     for (iso_code code = 0; code < ISO_CODE_COUNT; ++code)
         for (iso_direction_filter f = 0; f < ISO_DIRECTION_COUNT && iso_code_describe(code)->is_textured; ++f) {
             iso_pyramid_options opt = keeping(f), bare = opt;
             opt.code = bare.code = code;
             bare.keep_float = bare.keep_magnitude = false;
-            iso_pyramid p = build(&v, &opt), q = build(&v, &bare);
+            OWNED(iso_pyramid) p = build(&v, &opt), q = build(&v, &bare);
             for (size_t k = 0; k < p.level_count; ++k) {
                 const iso_level *level = &p.levels[k];
                 const size_t count = iso_geometry_voxel_count(&level->geometry);
-                uint8_t *wanted = malloc(3 * count);
+                FREED uint8_t *wanted = malloc(3 * count);
                 iso_code_encode(code, level->directions, wanted, count);
                 assert_memory_equal(level->codes, wanted, 3 * count);
                 assert_memory_equal(q.levels[k].codes, wanted, 3 * count);
@@ -432,17 +413,13 @@ TEST(codes_are_those_of_the_directions_of_their_level)
                     iso_code_encode(code, level->directions + 3, wanted, count - 1);
                     assert_true(memcmp(level->codes, wanted, 3 * (count - 1)) != 0);
                 }
-                free(wanted);
             }
-            iso_pyramid_destroy(&p);
-            iso_pyramid_destroy(&q);
         }
-    iso_volume_destroy(&v);
 }
 
 TEST(bad_options_and_voxels_are_refused)
 {
-    iso_volume v = noise(4, 4, 4);
+    OWNED(iso_volume) v = noise(4, 4, 4);
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 0;
@@ -459,7 +436,6 @@ TEST(bad_options_and_voxels_are_refused)
     ((float *)v.data)[9] = INFINITY;
     assert_status(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err), ISO_E_RANGE);
     iso_pyramid_destroy(&p); /* empty after a failure */
-    iso_volume_destroy(&v);
 }
 
 TEST_MAIN(make_folder, remove_folder)

@@ -17,18 +17,18 @@
 TEST(a_saved_pyramid_is_loaded_as_it_was)
 {
     const iso_type types[] = {ISO_U8, ISO_I16, ISO_U16, ISO_F32, ISO_F64};
-    char *dir = iso_path_join(folder, "trip.iso");
+    FREED char *dir = iso_path_join(folder, "trip.iso");
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         iso_geometry g = plain(7, 5, 6);
         g.index_to_world.m[0][1] = 1.0 / 3;
-        iso_volume v;
+        OWNED(iso_volume) v;
         assert_ok(iso_volume_create(&v, &g, types[t], "test", &err));
         for (size_t i = 0; i < 210 * iso_type_bytes(types[t]); ++i)
             ((uint8_t *)v.data)[i] = types[t] == ISO_F32 || types[t] == ISO_F64 ? 0x3f : (uint8_t)(i * 91);
         iso_pyramid_options opt = keeping((iso_direction_filter)(t % ISO_DIRECTION_COUNT));
         opt.keep_float = t % 2;
         opt.code = t % 2 ? ISO_CODE_REGION48 : ISO_CODE_SNORM;
-        iso_pyramid p = build(&v, &opt), q;
+        OWNED(iso_pyramid) p = build(&v, &opt), q;
         assert_ok(iso_pyramid_save(&p, dir, &err)); /* and replaces the one before */
         assert_true(iso_pyramid_is_one(dir));
         assert_ok(iso_pyramid_load(dir, &q, &err));
@@ -38,40 +38,32 @@ TEST(a_saved_pyramid_is_loaded_as_it_was)
         assert_int_equal(q.options.direction_filter, p.options.direction_filter);
         assert_int_equal(q.options.code, p.options.code);
         assert_true(q.options.keep_float == p.options.keep_float && q.options.keep_magnitude);
-        iso_pyramid_destroy(&p);
-        iso_pyramid_destroy(&q);
-        iso_volume_destroy(&v);
     }
-    free(dir);
 }
 
 /* Files of more than one of the pieces of 256 kB that are read at a time, none of which they fill at their end: 98153
  * voxels. */
 TEST(files_of_several_pieces_are_loaded_as_they_were)
 {
-    char *dir = iso_path_join(folder, "long.iso");
-    iso_volume v = noise(53, 47, 43);
+    FREED char *dir = iso_path_join(folder, "long.iso");
+    OWNED(iso_volume) v = noise(53, 47, 43);
     iso_pyramid_options opt = keeping(ISO_DIRECTION_MOMENTS);
     opt.keep_float = true;
-    iso_pyramid p = build(&v, &opt), q;
+    OWNED(iso_pyramid) p = build(&v, &opt), q;
     assert_ok(iso_pyramid_save(&p, dir, &err));
     assert_ok(iso_pyramid_load(dir, &q, &err));
     assert_true(same_levels(&p, &q));
     q.levels[0].codes[(256 << 10) + 1] ^= 1; /* noticed, behind the first piece too */
     assert_false(same_levels(&p, &q));
-    iso_pyramid_destroy(&p);
-    iso_pyramid_destroy(&q);
-    iso_volume_destroy(&v);
-    free(dir);
 }
 
 /* Applies a change to one file of a fresh pyramid, and wants the load to fail. */
 static void refuse(const char *name, size_t keep_bytes, long flip_at, iso_status wanted)
 {
-    iso_volume v = noise(6, 5, 4);
+    OWNED(iso_volume) v = noise(6, 5, 4);
     iso_pyramid_options opt = iso_pyramid_defaults();
     iso_pyramid p = build(&v, &opt), q;
-    char *dir = iso_path_join(folder, "bad.iso"), *path, *data;
+    FREED char *dir = iso_path_join(folder, "bad.iso"), *path, *data;
     size_t size;
     iso_remove_tree(dir); /* a folder that was changed is not replaced */
     assert_ok(iso_pyramid_save(&p, dir, &err));
@@ -85,11 +77,7 @@ static void refuse(const char *name, size_t keep_bytes, long flip_at, iso_status
     if (keep_bytes == 0 && flip_at < 0)
         unlink(path);
     assert_status(iso_pyramid_load(dir, &q, &err), wanted);
-    free(data);
-    free(path);
-    free(dir);
     iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST(truncated_tampered_and_missing_files_are_refused)
@@ -139,7 +127,7 @@ TEST(a_description_with_impossible_values_is_refused)
         {"\"options\"", "\"segments\": [{\"label\": 1, \"name\": \"a\", \"color\": [0, 2, 0]}], \"options\"",
          ISO_E_RANGE},
     };
-    iso_volume v = noise(6, 5, 4);
+    OWNED(iso_volume) v = noise(6, 5, 4);
     iso_pyramid_options opt = iso_pyramid_defaults();
     iso_pyramid p = build(&v, &opt), q;
     char *dir = iso_path_join(folder, "odd.iso"), *path = iso_path_join(dir, "pyramid.json"), *text;
@@ -168,23 +156,20 @@ TEST(a_description_with_impossible_values_is_refused)
     free(path);
     free(dir);
     iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST(a_folder_that_is_not_a_pyramid_is_left_alone)
 {
-    iso_volume v = noise(3, 3, 3);
+    OWNED(iso_volume) v = noise(3, 3, 3);
     iso_pyramid_options opt = iso_pyramid_defaults();
     iso_pyramid p = build(&v, &opt), q;
-    char *inside = iso_path_join(folder, "precious.txt");
+    FREED char *inside = iso_path_join(folder, "precious.txt");
     assert_ok(iso_file_write(inside, "x", 1, &err));
     assert_status(iso_pyramid_save(&p, folder, &err), ISO_E_IO);
     assert_true(iso_path_exists(inside));
     assert_false(iso_pyramid_is_one(folder));
     assert_status(iso_pyramid_load(folder, &q, &err), ISO_E_IO);
-    free(inside);
     iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST_MAIN(make_folder, remove_folder)

@@ -69,7 +69,7 @@ static iso_tf_table table_of_points(void)
 
 TEST(a_ramp_has_the_points_of_the_transfer_function)
 {
-    iso_tf_table t = table_of_points();
+    OWNED(iso_tf_table) t = table_of_points();
     iso_color_ramp ramp;
     iso_color_ramp_fit(&t, &ramp);
     assert_true(ramp.own_points);
@@ -93,18 +93,16 @@ TEST(a_ramp_has_the_points_of_the_transfer_function)
     iso_tf again = {
         .point_count = 5, .points = t.points, .range = {-1024, 3071}, .unit_distance = 3, .table_size = 4096};
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
-    iso_tf_table smooth = {0};
+    OWNED(iso_tf_table) smooth = {0};
     assert_ok(iso_tf_tabulate(&again, 0, 1, &g, &smooth, &err));
     iso_color_ramp_fit(&smooth, &ramp);
     assert_true(ramp.own_points);
     assert_at_most(ramp.color_loss, 0.8 / 267 * 2000 / 255 / 4 + 1e-6); /* slope, times a quarter of a baked step */
-    iso_tf_table_destroy(&smooth);
     /* Planted: other entries under the same points. */
     for (size_t i = 0; i < t.count; ++i)
         t.entries[4 * i] *= 0.9f;
     iso_color_ramp_fit(&t, &ramp);
     assert_false(ramp.own_points);
-    iso_tf_table_destroy(&t);
 }
 
 /* More points than a ramp holds, all visible: fitted where it matters, and only between the values where it does. */

@@ -60,7 +60,7 @@ static void fill(iso_volume *v)
 static iso_pyramid make_pyramid(iso_type type, iso_code code)
 {
     iso_geometry g = rotated_geometry();
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 3;
@@ -69,7 +69,6 @@ static iso_pyramid make_pyramid(iso_type type, iso_code code)
     assert_ok(iso_volume_create(&v, &g, type, "test", &err));
     fill(&v);
     assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -162,14 +161,12 @@ static iso_image render_reference(const iso_level *level, iso_code code, const i
 static void check_agreement(const iso_level *level, iso_code code, const iso_view *view, iso_direction_source source,
                             const char *what)
 {
-    iso_image a = render_gl(level, code, view, source), b = render_reference(level, code, view, source);
+    OWNED(iso_image) a = render_gl(level, code, view, source), b = render_reference(level, code, view, source);
     difference d = compare(&a, &b);
     if (!(d.max_abs <= MAX_ABS && d.rmse <= RMSE))
         fail_msg("%s: max_abs %g, limit %g; rmse %g, limit %g", what, d.max_abs, MAX_ABS, d.rmse, RMSE);
     if (getenv("ISOSHADE_TEST_VERBOSE"))
         printf("%-40s max_abs %.2e rmse %.2e\n", what, d.max_abs, d.rmse);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 /* ---- tests ------------------------------------------------------------------ */
@@ -191,8 +188,8 @@ TEST(every_source_and_code_agrees_with_the_reference_at_every_level)
     for (int code = 0; code < ISO_CODE_COUNT; ++code) {
         if (!iso_code_describe((iso_code)code)->is_textured)
             continue;
-        iso_pyramid p = make_pyramid(ISO_F32, (iso_code)code);
-        iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
+        OWNED(iso_pyramid) p = make_pyramid(ISO_F32, (iso_code)code);
+        OWNED(iso_view) view = make_view(PERSPECTIVE, &p.levels[0]);
         for (size_t k = 0; k < p.level_count; ++k)
             for (int source = 0; source <= ISO_FROM_ON_THE_FLY; ++source) { /* palettes: test_palette_render.c */
                 char what[96];
@@ -200,8 +197,6 @@ TEST(every_source_and_code_agrees_with_the_reference_at_every_level)
                          iso_direction_source_name((iso_direction_source)source));
                 check_agreement(&p.levels[k], (iso_code)code, &view, (iso_direction_source)source, what);
             }
-        iso_view_destroy(&view);
-        iso_pyramid_destroy(&p);
     }
 }
 
@@ -221,15 +216,15 @@ static iso_image render_exactly(const iso_level *level, const iso_view *view, is
 TEST(exact_lookups_leave_out_what_texture_coordinates_round)
 {
     static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_ON_THE_FLY};
-    iso_pyramid p = make_pyramid(ISO_F32, ISO_CODE_SNORM);
+    OWNED(iso_pyramid) p = make_pyramid(ISO_F32, ISO_CODE_SNORM);
     for (size_t k = 0; k < p.level_count; ++k)
         for (size_t i = 0; i < 2; ++i) {
             iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
             for (size_t e = 0; e < view.tf.count; ++e)
                 view.tf.entries[4 * e + 3] = e % 8 < 4 ? 0.0f : 6.0f;
-            iso_image wanted = render_reference(&p.levels[k], ISO_CODE_SNORM, &view, sources[i]);
-            iso_image exact = render_exactly(&p.levels[k], &view, sources[i]);
-            iso_image filtered = render_gl(&p.levels[k], ISO_CODE_SNORM, &view, sources[i]);
+            OWNED(iso_image) wanted = render_reference(&p.levels[k], ISO_CODE_SNORM, &view, sources[i]);
+            OWNED(iso_image) exact = render_exactly(&p.levels[k], &view, sources[i]);
+            OWNED(iso_image) filtered = render_gl(&p.levels[k], ISO_CODE_SNORM, &view, sources[i]);
             difference of_exact = compare(&exact, &wanted), of_filtered = compare(&filtered, &wanted);
             if (getenv("ISOSHADE_TEST_VERBOSE"))
                 printf("level %zu, %s: exact %.2e %.2e, filtered %.2e %.2e\n", k, iso_direction_source_name(sources[i]),
@@ -238,9 +233,6 @@ TEST(exact_lookups_leave_out_what_texture_coordinates_round)
             assert_at_most(of_exact.rmse, RMSE / 2);
             if (k == 0) /* the most voxels, of which a coordinate rounds the same part */
                 assert_more_than(of_filtered.rmse, 2 * of_exact.rmse);
-            iso_image_destroy(&wanted);
-            iso_image_destroy(&exact);
-            iso_image_destroy(&filtered);
             iso_view_destroy(&view);
         }
     iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
@@ -249,7 +241,6 @@ TEST(exact_lookups_leave_out_what_texture_coordinates_round)
     opt.exact_lookups = opt.preintegrated = true;
     assert_status(iso_gl_render(gl, &p.levels[0], ISO_CODE_SNORM, &view, &opt, &none, &err), ISO_E_USAGE);
     iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* Between the faces of a plate nearly every point turns some of its eight directions. */
@@ -257,21 +248,16 @@ TEST(the_flipped_fetch_of_a_plate_agrees_with_the_reference)
 {
     iso_field f = {.kind = ISO_FIELD_PLATE, .geometry = rotated_geometry()};
     iso_pyramid_options opt = iso_pyramid_defaults();
-    iso_volume v;
-    iso_pyramid p;
+    OWNED(iso_volume) v;
+    OWNED(iso_pyramid) p;
     assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
     assert_ok(iso_pyramid_build(&v, "plate", &opt, &p, NULL, &err));
-    iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
+    OWNED(iso_view) view = make_view(PERSPECTIVE, &p.levels[0]);
     for (size_t k = 0; k < 2; ++k)
         check_agreement(&p.levels[k], opt.code, &view, ISO_FROM_FLIPPED, k ? "plate, level 1" : "plate");
-    iso_image flipped = render_gl(&p.levels[0], opt.code, &view, ISO_FROM_FLIPPED);
-    iso_image plain = render_reference(&p.levels[0], opt.code, &view, ISO_FROM_CODES);
+    OWNED(iso_image) flipped = render_gl(&p.levels[0], opt.code, &view, ISO_FROM_FLIPPED);
+    OWNED(iso_image) plain = render_reference(&p.levels[0], opt.code, &view, ISO_FROM_CODES);
     assert_more_than(compare(&flipped, &plain).rmse, 100 * RMSE); /* the planted fault: the plain fetch */
-    iso_image_destroy(&flipped);
-    iso_image_destroy(&plain);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 TEST(every_stored_type_and_camera_agrees_with_the_reference)
@@ -279,16 +265,14 @@ TEST(every_stored_type_and_camera_agrees_with_the_reference)
     static const iso_type types[] = {ISO_U8, ISO_U16, ISO_I16, ISO_F32};
     static const char *const views[] = {"perspective", "orthographic", "inside"};
     for (size_t t = 0; t < 4; ++t) {
-        iso_pyramid p = make_pyramid(types[t], ISO_CODE_SNORM);
+        OWNED(iso_pyramid) p = make_pyramid(types[t], ISO_CODE_SNORM);
         for (int kind = PERSPECTIVE; kind <= INSIDE; ++kind) {
-            iso_view view = make_view((view_kind)kind, &p.levels[0]);
+            OWNED(iso_view) view = make_view((view_kind)kind, &p.levels[0]);
             char what[96];
             snprintf(what, sizeof what, "%s, %s", iso_type_name(types[t]), views[kind]);
             check_agreement(&p.levels[0], ISO_CODE_SNORM, &view, kind == INSIDE ? ISO_FROM_ON_THE_FLY : ISO_FROM_CODES,
                             what);
-            iso_view_destroy(&view);
         }
-        iso_pyramid_destroy(&p);
     }
 }
 
@@ -304,10 +288,10 @@ VALUES_TEST(every_reference_scene_agrees_at_every_level)
                  {"refscenes/shells.scene.json", ISO_FIELD_NOISE, ISO_U8}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         iso_field f = {.kind = cases[i].kind, .geometry = rotated_geometry(), .seed = 1};
-        iso_volume v;
-        iso_scene scene;
-        iso_view view;
-        iso_pyramid p;
+        OWNED(iso_volume) v;
+        OWNED(iso_scene) scene;
+        OWNED(iso_view) view;
+        OWNED(iso_pyramid) p;
         iso_pyramid_options opt = iso_pyramid_defaults();
         opt.level_count = 3;
         assert_ok(iso_field_sample(&f, cases[i].type, &v, &err));
@@ -321,10 +305,6 @@ VALUES_TEST(every_reference_scene_agrees_at_every_level)
             check_agreement(&p.levels[k], opt.code, &view, ISO_FROM_CODES, what);
             check_agreement(&p.levels[k], opt.code, &view, ISO_FROM_ON_THE_FLY, what);
         }
-        iso_view_destroy(&view);
-        iso_scene_destroy(&scene);
-        iso_pyramid_destroy(&p);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -336,8 +316,8 @@ TEST(degenerate_volumes_and_cameras_agree)
         iso_geometry g = iso_geometry_axis_aligned(sizes[i], (const double[3]){1, 2, 0.5});
         for (int kind = ISO_FIELD_RAMP; kind <= ISO_FIELD_CONSTANT; kind += ISO_FIELD_CONSTANT) {
             iso_field f = {.kind = (iso_field_kind)kind, .geometry = g};
-            iso_volume v;
-            iso_pyramid p;
+            OWNED(iso_volume) v;
+            OWNED(iso_pyramid) p;
             iso_pyramid_options opt = iso_pyramid_defaults();
             assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
             opt.level_count = 1;
@@ -345,7 +325,7 @@ TEST(degenerate_volumes_and_cameras_agree)
             iso_level range = p.levels[0];
             range.min = -0.5, range.max = 1;
             for (int place = -2; place <= 2; ++place) {
-                iso_view view = make_view(place ? ORTHOGRAPHIC : PERSPECTIVE, &range);
+                OWNED(iso_view) view = make_view(place ? ORTHOGRAPHIC : PERSPECTIVE, &range);
                 view.camera.forward = iso_v3(0, 1, 0), view.camera.right = iso_v3(1, 0, 0);
                 view.camera.up = iso_v3(0, 0, 1);
                 view.camera.position = iso_v3(0, 4.0 * place, 0);
@@ -354,10 +334,7 @@ TEST(degenerate_volumes_and_cameras_agree)
                          sizes[i][2], iso_field_name(f.kind), 4 * place);
                 check_agreement(&p.levels[0], opt.code, &view, ISO_FROM_CODES, what);
                 check_agreement(&p.levels[0], opt.code, &view, ISO_FROM_ON_THE_FLY, what);
-                iso_view_destroy(&view);
             }
-            iso_pyramid_destroy(&p);
-            iso_volume_destroy(&v);
         }
     }
 }
@@ -365,10 +342,10 @@ TEST(degenerate_volumes_and_cameras_agree)
 /* The same samples are summed, so that only the compiler's order of operations may differ. */
 TEST(leaving_out_empty_bricks_changes_nothing)
 {
-    iso_pyramid p = make_pyramid(ISO_U16, ISO_CODE_SNORM);
+    OWNED(iso_pyramid) p = make_pyramid(ISO_U16, ISO_CODE_SNORM);
     for (int kind = PERSPECTIVE; kind <= INSIDE; ++kind)
         for (size_t k = 0; k < p.level_count; ++k) {
-            iso_view view = make_view((view_kind)kind, &p.levels[0]);
+            OWNED(iso_view) view = make_view((view_kind)kind, &p.levels[0]);
             for (size_t i = 0; i < view.tf.count; ++i)
                 if (i < 50)
                     view.tf.entries[4 * i + 3] = 0;
@@ -383,29 +360,25 @@ TEST(leaving_out_empty_bricks_changes_nothing)
                 iso_image_destroy(&skipping);
             }
             iso_image_destroy(&plain);
-            iso_view_destroy(&view);
         }
-    iso_pyramid_destroy(&p);
 }
 
 /* Each of these faults is what a wrong export or shader would do. */
 static void rejects(const iso_level *right, const iso_level *wrong, const iso_view *right_view,
                     const iso_view *wrong_view, const char *what)
 {
-    iso_image a = render_gl(wrong, ISO_CODE_SNORM, wrong_view, ISO_FROM_CODES);
-    iso_image b = render_reference(right, ISO_CODE_SNORM, right_view, ISO_FROM_CODES);
+    OWNED(iso_image) a = render_gl(wrong, ISO_CODE_SNORM, wrong_view, ISO_FROM_CODES);
+    OWNED(iso_image) b = render_reference(right, ISO_CODE_SNORM, right_view, ISO_FROM_CODES);
     difference d = compare(&a, &b);
     if (!(d.max_abs > MAX_ABS && d.rmse > RMSE))
         fail_msg("%s passes: max_abs %g, rmse %g", what, d.max_abs, d.rmse);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 TEST(known_faults_are_rejected)
 {
-    iso_pyramid p = make_pyramid(ISO_U16, ISO_CODE_SNORM);
+    OWNED(iso_pyramid) p = make_pyramid(ISO_U16, ISO_CODE_SNORM);
     iso_level *level = &p.levels[0];
-    iso_view view = make_view(PERSPECTIVE, level), wrong_view = view;
+    OWNED(iso_view) view = make_view(PERSPECTIVE, level), wrong_view = view;
     iso_level wrong = *level;
     wrong.geometry.origin_mm = iso_geometry_to_world(&wrong.geometry, iso_v3(0.5, 0, 0));
     rejects(level, &wrong, &view, &view, "half a voxel of shift");
@@ -427,22 +400,15 @@ TEST(known_faults_are_rejected)
         if (i % 4 != 3)
             wrong_view.tf.entries[i] = powf(wrong_view.tf.entries[i], 1 / 2.2f);
     rejects(level, level, &view, &wrong_view, "an sRGB TF");
-    iso_view_destroy(&wrong_view);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(images_do_not_differ_between_runs)
 {
-    iso_pyramid p = make_pyramid(ISO_U8, ISO_CODE_SNORM);
-    iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
-    iso_image a = render_gl(&p.levels[1], ISO_CODE_SNORM, &view, ISO_FROM_CODES);
-    iso_image b = render_gl(&p.levels[1], ISO_CODE_SNORM, &view, ISO_FROM_CODES);
+    OWNED(iso_pyramid) p = make_pyramid(ISO_U8, ISO_CODE_SNORM);
+    OWNED(iso_view) view = make_view(PERSPECTIVE, &p.levels[0]);
+    OWNED(iso_image) a = render_gl(&p.levels[1], ISO_CODE_SNORM, &view, ISO_FROM_CODES);
+    OWNED(iso_image) b = render_gl(&p.levels[1], ISO_CODE_SNORM, &view, ISO_FROM_CODES);
     assert_memory_equal(a.rgba, b.rgba, 4 * a.width * a.height * sizeof *a.rgba);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(volume_beyond_the_texture_limit_is_refused_with_both_sizes)
@@ -453,27 +419,24 @@ TEST(volume_beyond_the_texture_limit_is_refused_with_both_sizes)
                        .stored_type = ISO_F32,
                        .scalar = &scalar,
                        .max = 1};
-    iso_view view = make_view(PERSPECTIVE, &level);
+    OWNED(iso_view) view = make_view(PERSPECTIVE, &level);
     iso_gl_options opt = iso_gl_defaults();
     iso_image image;
     iso_error err = {""};
     assert_int_equal(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &image, &err), ISO_E_RANGE);
     assert_non_null(strstr(err.text, "100000 x 1 x 1"));
     assert_non_null(strstr(err.text, "at most"));
-    iso_view_destroy(&view);
 }
 
 TEST(missing_float_directions_are_refused)
 {
-    iso_pyramid p = make_pyramid(ISO_U8, ISO_CODE_SNORM);
+    OWNED(iso_pyramid) p = make_pyramid(ISO_U8, ISO_CODE_SNORM);
     iso_level level = p.levels[0];
     level.directions = NULL;
-    iso_view view = make_view(PERSPECTIVE, &level);
+    OWNED(iso_view) view = make_view(PERSPECTIVE, &level);
     iso_gl_options opt = {.source = ISO_FROM_FLOAT};
     iso_image image;
     assert_status(iso_gl_render(gl, &level, ISO_CODE_SNORM, &view, &opt, &image, &err), ISO_E_RANGE);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(missing_shader_folder_is_named)
@@ -487,19 +450,15 @@ TEST(missing_shader_folder_is_named)
 
 TEST(shader_folder_of_the_sources_gives_the_same_image)
 {
-    iso_pyramid p = make_pyramid(ISO_U8, ISO_CODE_REGION48);
-    iso_view view = make_view(ORTHOGRAPHIC, &p.levels[0]);
-    iso_image a = render_gl(&p.levels[0], ISO_CODE_REGION48, &view, ISO_FROM_CODES), b;
+    OWNED(iso_pyramid) p = make_pyramid(ISO_U8, ISO_CODE_REGION48);
+    OWNED(iso_view) view = make_view(ORTHOGRAPHIC, &p.levels[0]);
+    OWNED(iso_image) a = render_gl(&p.levels[0], ISO_CODE_REGION48, &view, ISO_FROM_CODES), b;
     iso_gl_options opt = iso_gl_defaults();
     iso_gl *other;
     assert_ok(iso_gl_create(&other, "src/render/gl/shaders", &err));
     assert_ok(iso_gl_render(other, &p.levels[0], ISO_CODE_REGION48, &view, &opt, &b, &err));
     assert_memory_equal(a.rgba, b.rgba, 4 * a.width * a.height * sizeof *a.rgba);
     iso_gl_destroy(other);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* In a process of its own, as libEGL looks for its vendors once; a fresh program, not a mere fork, since libraries'
@@ -512,7 +471,7 @@ static void ask_without_vendors(void)
 {
     char *const arguments[] = {"test_raycaster", WITHOUT_VENDORS, NULL};
     const char *before = getenv("__EGL_VENDOR_LIBRARY_FILENAMES");
-    char *vendors = before ? strdup(before) : NULL;
+    FREED char *vendors = before ? strdup(before) : NULL;
     pid_t child;
     setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent.json", 1);
     if (posix_spawn(&child, "/proc/self/exe", NULL, NULL, arguments, environ) == 0)
@@ -520,7 +479,6 @@ static void ask_without_vendors(void)
     unsetenv("__EGL_VENDOR_LIBRARY_FILENAMES");
     if (vendors)
         setenv("__EGL_VENDOR_LIBRARY_FILENAMES", vendors, 1);
-    free(vendors);
 }
 
 static _Noreturn void answer_without_vendors(void)

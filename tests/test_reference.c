@@ -90,14 +90,13 @@ TEST(a_slab_has_the_opacity_of_its_thickness)
         for (int q = 0; q < 2; ++q) { /* converged and midpoint are both exact here */
             iso_reference_options opt = iso_reference_defaults();
             opt.quadrature = q ? ISO_QUADRATURE_MIDPOINT : ISO_QUADRATURE_CONVERGED;
-            iso_image image = render(&level, &view, &opt);
+            OWNED(iso_image) image = render(&level, &view, &opt);
             double alpha = 1 - exp(-(double)0.3f * thickness[a]);
             for (size_t i = 0; i < 20; ++i) { /* 1e-7: the image is float */
                 assert_within(image.rgba[4 * i + 3], alpha, 1e-7);
                 assert_within(image.rgba[4 * i], alpha * (double)0.8f, 1e-7);
                 assert_within(image.rgba[4 * i + 1], alpha * (double)0.4f + (1 - alpha) * 0.5, 1e-7);
             }
-            iso_image_destroy(&image);
         }
     }
     free_level(&level);
@@ -121,10 +120,9 @@ TEST(a_constant_volume_has_no_direction_on_the_fly)
         iso_reference_options opt = iso_reference_defaults();
         opt.quadrature = q ? ISO_QUADRATURE_MIDPOINT : ISO_QUADRATURE_CONVERGED;
         opt.source = ISO_FROM_ON_THE_FLY;
-        iso_image image = render(&level, &view, &opt);
+        OWNED(iso_image) image = render(&level, &view, &opt);
         for (size_t i = 0; i < 20; ++i)
             assert_within(image.rgba[4 * i], 0.25 * (double)image.rgba[4 * i + 3], 1e-7);
-        iso_image_destroy(&image);
     }
     free_level(&level);
 }
@@ -137,9 +135,8 @@ TEST(an_oblique_chord_counts_in_full)
     iso_view view = make_view(iso_normalize(iso_v3(1, 0, 1)), entries);
     view.camera.half_height = 1e-6;
     iso_reference_options opt = iso_reference_defaults();
-    iso_image image = render(&level, &view, &opt);
+    OWNED(iso_image) image = render(&level, &view, &opt);
     assert_within(image.rgba[3], 1 - exp(-(double)0.1f * 4 * sqrt(2)), 2e-6); /* the pixels' own offsets */
-    iso_image_destroy(&image);
     free_level(&level);
 }
 
@@ -186,9 +183,8 @@ static double sphere_error(size_t n)
     iso_view view = make_view(iso_normalize(iso_v3(1, 2, 3)), entries);
     view.camera.half_height = 1e-9;
     iso_reference_options opt = iso_reference_defaults();
-    iso_image image = render(&level, &view, &opt);
+    OWNED(iso_image) image = render(&level, &view, &opt);
     double error = fabs((double)image.rgba[3] - (1 - exp(-1.0)));
-    iso_image_destroy(&image);
     free_level(&level);
     return error;
 }
@@ -204,10 +200,9 @@ TEST(a_shell_thinner_than_a_cell_is_met)
         view.tf = (iso_tf_table){.count = 1025, .lo = 0, .hi = 1, .entries = entries};
         entries[4 * places[i] + 3] = 50;
         iso_reference_options opt = iso_reference_defaults();
-        iso_image image = render(&level, &view, &opt);
+        OWNED(iso_image) image = render(&level, &view, &opt);
         /* a triangle of height 50/mm, one entry to either side; the ramp climbs 0.08 a mm; 1e-7: floats */
         assert_within(image.rgba[3], 1 - exp(-50 * (1.0 / 1024) / 0.08), 1e-7);
-        iso_image_destroy(&image);
         entries[4 * places[i] + 3] = 0;
     }
     free_level(&level);
@@ -237,25 +232,22 @@ TEST(stepping_quadratures_converge_to_the_converged_one)
     iso_view view = make_view(iso_normalize(iso_v3(1, -2, 0.5)), entries);
     view.shading = (iso_shading){.ambient = 0.2, .diffuse = 0.6, .specular = 0.3, .power = 8};
     iso_reference_options opt = iso_reference_defaults();
-    iso_image exact = render(&level, &view, &opt);
+    OWNED(iso_image) exact = render(&level, &view, &opt);
     double error[2][2];
     for (int fine = 0; fine < 2; ++fine) {
         opt.quadrature = ISO_QUADRATURE_MIDPOINT;
         opt.step_voxels = fine ? 0.125 : 0.25;
-        iso_image a = render(&level, &view, &opt);
+        OWNED(iso_image) a = render(&level, &view, &opt);
         opt.quadrature = ISO_QUADRATURE_POVRAY;
         opt.intervals = fine ? 160 : 80;
-        iso_image b = render(&level, &view, &opt);
+        OWNED(iso_image) b = render(&level, &view, &opt);
         error[0][fine] = image_difference(&a, &exact);
         error[1][fine] = image_difference(&b, &exact);
-        iso_image_destroy(&a);
-        iso_image_destroy(&b);
     }
     for (int q = 0; q < 2; ++q) {
         assert_at_most(error[q][1], 1e-3);
         assert_more_than(error[q][0] / error[q][1], 2.5); /* order 2, with the phase of knots and cell borders */
     }
-    iso_image_destroy(&exact);
     free_level(&level);
 }
 
@@ -268,12 +260,10 @@ TEST(threads_do_not_change_the_image)
     iso_view view = make_view(iso_normalize(iso_v3(1, -2, 0.5)), entries);
     iso_reference_options opt = iso_reference_defaults();
     opt.threads = 1;
-    iso_image one = render(&level, &view, &opt);
+    OWNED(iso_image) one = render(&level, &view, &opt);
     opt.threads = 3;
-    iso_image three = render(&level, &view, &opt);
+    OWNED(iso_image) three = render(&level, &view, &opt);
     assert_memory_equal(one.rgba, three.rgba, 4 * 5 * 4 * sizeof(float));
-    iso_image_destroy(&one);
-    iso_image_destroy(&three);
     free_level(&level);
 }
 
@@ -289,9 +279,8 @@ TEST(light_follows_the_directions_in_the_world)
     const double expected[3] = {1, 1, 0.25};
     for (int i = 0; i < 3; ++i) {
         view.lights[0].direction = lights[i];
-        iso_image image = render(&level, &view, &opt);
+        OWNED(iso_image) image = render(&level, &view, &opt);
         assert_within(image.rgba[0], expected[i], 1e-4); /* eps = one code step: 3e-5; exp(-5 * 7.5) */
-        iso_image_destroy(&image);
     }
     free_level(&level);
 }

@@ -96,14 +96,13 @@ static iso_reference_result render(const scene *s, double tolerance, bool by_hal
 {
     iso_reference_result result = {.rgba = rgba};
     iso_reference_options opt = iso_reference_defaults();
-    iso_image image;
+    OWNED(iso_image) image;
     opt.source = s->source;
     opt.tolerance = opt.most_error = tolerance;
     opt.plain = by_halving;
     opt.threads = 1;
     opt.result = &result;
     assert_ok(iso_reference_render(&s->level, ISO_CODE_FIT, &s->view, &opt, &image, NULL, &err));
-    iso_image_destroy(&image);
     return result;
 }
 
@@ -198,7 +197,7 @@ TEST(closed_forms_hold_to_a_billionth)
         double rgba[4 * PIXELS];
         iso_reference_result result = {.rgba = rgba};
         iso_reference_options opt = iso_reference_defaults();
-        iso_image image;
+        OWNED(iso_image) image;
         opt.source = s.source;
         opt.plain = plain;
         opt.result = &result;
@@ -210,7 +209,6 @@ TEST(closed_forms_hold_to_a_billionth)
             assert_within(rgba[4 * i + 1], 0.25 * color + 0.5 * left, tolerance);
             assert_within(rgba[4 * i + 3], 1 - left, tolerance);
         }
-        iso_image_destroy(&image);
     }
     free(s.level.scalar);
 }
@@ -225,7 +223,7 @@ TEST(samples_in_lock_step_are_the_same_to_the_bit)
         for (int plain = 0; plain < 2; ++plain) {
             iso_reference_result result = {.rgba = rgba[plain]};
             iso_reference_options opt = iso_reference_defaults();
-            iso_image image;
+            OWNED(iso_image) image;
             opt.quadrature = ISO_QUADRATURE_MIDPOINT;
             opt.step_voxels = 0.05 + 0.01 * (double)(seed % 60);
             opt.source = s.source;
@@ -233,7 +231,6 @@ TEST(samples_in_lock_step_are_the_same_to_the_bit)
             opt.result = &result;
             assert_ok(iso_reference_render(&s.level, ISO_CODE_FIT, &s.view, &opt, &image, NULL, &err));
             assert_true(isnan(result.error));
-            iso_image_destroy(&image);
         }
         assert_memory_equal(rgba[0], rgba[1], sizeof rgba[0]);
         free_scene(&s);
@@ -331,7 +328,7 @@ TEST(one_voxel_is_never_passed_over)
                              .max = 1};
     float entries[8] = {0, 0, 0, 0, 1, 1, 1, 1};
     const iso_tf_table tf = {.count = 2, .lo = 0, .hi = 1, .entries = entries};
-    iso_shown shown;
+    OWNED(iso_shown) shown;
     assert_ok(iso_shown_create(&shown, &tf, NULL, &err));
     for (int v = 0; v < COUNT; ++v) {
         iso_empty_space empty;
@@ -349,7 +346,6 @@ TEST(one_voxel_is_never_passed_over)
         iso_empty_space_destroy(&empty);
         scalar[v] = 0;
     }
-    iso_shown_destroy(&shown);
 }
 
 /* A few voxels are visible, and rays go through edges of invisible blocks, where a place is rounded to either side of
@@ -366,8 +362,8 @@ TEST(rays_along_edges_of_empty_blocks_end)
     const iso_view view = {.tf = {.count = 2, .lo = 0, .hi = 1, .entries = entries},
                            .shading = {.ambient = 1},
                            .step_voxels = 0.25};
-    iso_sampler sampler;
-    iso_shown shown;
+    OWNED(iso_sampler) sampler;
+    OWNED(iso_shown) shown;
     iso_empty_space empty, unknown = {.cells = {N + 1, N + 1, N + 1}};
     iso_cell_scene cells, all;
     iso_cell_ray_variant v[4];
@@ -407,8 +403,6 @@ TEST(rays_along_edges_of_empty_blocks_end)
     iso_cell_scene_destroy(&all);
     iso_cell_scene_destroy(&cells);
     iso_empty_space_destroy(&empty);
-    iso_shown_destroy(&shown);
-    iso_sampler_destroy(&sampler);
 }
 
 /* An interval that ends on an entry that shows nothing stays empty; a bit farther it does not. */

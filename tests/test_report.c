@@ -96,12 +96,12 @@ static void add_agreement(iso_report *r)
     const double biases[] = {2e-7, 3e-6, 4e-5, 2e-3};
     const char *const renderers[] = {"gl", "povray", "cycles", "gl"}, *const variants[] = {"codes", "", "h/16",
                                                                                            "on the fly"};
-    iso_image reference = ball(example_size, 0, 0, 0);
+    OWNED(iso_image) reference = ball(example_size, 0, 0, 0);
     add_image(r, "reference-0", &reference);
     for (size_t level = 0; level < 2; ++level)
         for (int k = 0; k < 4; ++k) {
             char name[64];
-            iso_image image = ball(example_size, k == 3 && level ? 0.5 : 0, biases[k], 0);
+            OWNED(iso_image) image = ball(example_size, k == 3 && level ? 0.5 : 0, biases[k], 0);
             snprintf(name, sizeof name, "image%d-level%zu", k, level);
             add_image(r, name, &image);
             iso_report_agreement row = compare(&reference, &image);
@@ -116,7 +116,6 @@ static void add_agreement(iso_report *r)
                 row.uncompared = ISO_UNCOMPARED_FAINT, row.uncompared_why = "the reference shows too little";
             }
             assert_ok(iso_report_add_agreement(r, &row, &err));
-            iso_image_destroy(&image);
         }
     iso_report_agreement refused = {.level = 1,
                                     .scene = "thin shells",
@@ -127,7 +126,6 @@ static void add_agreement(iso_report *r)
                                     .refused = "Cycles failed its slab calibration: 0.02, limit 0.001",
                                     .tolerances = {.rmse = 1e-3}};
     assert_ok(iso_report_add_agreement(r, &refused, &err));
-    iso_image_destroy(&reference);
 }
 
 static iso_report *example(const char *dir)
@@ -176,7 +174,7 @@ static json_t *data_of_page(const char *page)
 
 TEST(every_file_is_there_and_the_data_is_whole)
 {
-    char *dir = inside("whole");
+    FREED char *dir = inside("whole");
     iso_report *r = example(dir);
     assert_ok(iso_report_finish(r, &err));
     const char *const files[] = {"index.html",
@@ -221,12 +219,11 @@ TEST(every_file_is_there_and_the_data_is_whole)
     json_decref(root);
     free(path);
     iso_report_destroy(r);
-    free(dir);
 }
 
 TEST(the_worst_comes_first)
 {
-    char *dir = inside("order");
+    FREED char *dir = inside("order");
     iso_report *r = example(dir);
     assert_ok(iso_report_finish(r, &err));
     const json_t *rows = json_object_get(iso_report_json(r), "agreement");
@@ -241,7 +238,6 @@ TEST(the_worst_comes_first)
     }
 
     iso_report_destroy(r);
-    free(dir);
 }
 
 static size_t count_of(const char *text, const char *what)
@@ -284,7 +280,7 @@ TEST(the_page_needs_nothing_from_outside)
 
 TEST(the_sentence_tells_each_outcome)
 {
-    char *dir = inside("sentence");
+    FREED char *dir = inside("sentence");
     iso_report *r;
     const iso_report_about about = {.title = "nothing"};
     assert_ok(iso_report_create(&r, dir, &about, &err));
@@ -304,13 +300,12 @@ TEST(the_sentence_tells_each_outcome)
     assert_ok(iso_report_add_agreement(r, &row, &err));
     assert_int_equal(iso_report_summarize(r).differed, 2);
     iso_report_destroy(r);
-    free(dir);
 }
 
 /* What could not be compared is no disagreement, and no agreement either. */
 TEST(a_refusal_is_told_as_what_it_is)
 {
-    char *dir = inside("refusal");
+    FREED char *dir = inside("refusal");
     iso_report *r;
     const iso_report_about about = {.title = "t"};
     iso_report_agreement row = {.scene = "s", .a = "a", .renderer = "b", .error_bar = NAN, .tolerances = {.rmse = 1}};
@@ -322,12 +317,11 @@ TEST(a_refusal_is_told_as_what_it_is)
     assert_false(s.good);
     assert_non_null(strstr(s.sentence, "1 comparison agrees; 1 could not be made"));
     iso_report_destroy(r);
-    free(dir);
 }
 
 TEST(junit_counts_failures_and_escapes)
 {
-    char *dir = inside("junit"), *path = inside("junit.xml"), *xml;
+    FREED char *dir = inside("junit"), *path = inside("junit.xml"), *xml;
     iso_report *r = example(dir);
     assert_ok(
         iso_report_add_calibration(r, &(iso_report_calibration){"povray", "answers", NAN, 0, NULL, "no such program", false},
@@ -349,9 +343,6 @@ TEST(junit_counts_failures_and_escapes)
     assert_non_null(
         strstr(xml, "<property name=\"level 2: naive average+adapted: ssim_dissimilarity_mean\" value=\"0.0432\"/>"));
     assert_int_equal(count_of(xml, "original_kept\" value=\"it would be &quot;no&quot; nearer\"/>"), 3);
-    free(xml);
-    free(path);
-    free(dir);
     iso_report_destroy(r);
 }
 
@@ -473,20 +464,18 @@ TEST(the_data_of_the_chart_keeps_the_tfs_apart)
 
 TEST(an_unfinished_report_leaves_nothing)
 {
-    char *dir = inside("unfinished"), *temporary;
+    FREED char *dir = inside("unfinished"), *temporary;
     iso_report *r = example(dir);
     temporary = strdup(iso_report_dir(r));
     assert_true(iso_path_is_dir(temporary));
     iso_report_destroy(r);
     assert_false(iso_path_exists(temporary));
     assert_false(iso_path_exists(dir));
-    free(temporary);
-    free(dir);
 }
 
 TEST(only_a_report_is_replaced)
 {
-    char *dir = inside("mine"), *file = NULL;
+    FREED char *dir = inside("mine"), *file = NULL;
     iso_report *r;
     const iso_report_about about = {.title = "t"};
     assert_ok(iso_report_create(&r, dir, &about, &err));
@@ -498,16 +487,14 @@ TEST(only_a_report_is_replaced)
     file = iso_path_join(dir, "report.json");
     remove(file);
     assert_status(iso_report_create(&r, dir, &about, &err), ISO_E_IO);
-    free(file);
-    free(dir);
 }
 
 TEST(bad_names_are_refused)
 {
-    char *dir = inside("names");
+    FREED char *dir = inside("names");
     iso_report *r;
     const iso_report_about about = {.title = "t"};
-    iso_image image = ball(16, 0, 0, 0), small = ball(12, 0, 0, 0);
+    OWNED(iso_image) image = ball(16, 0, 0, 0), small = ball(12, 0, 0, 0);
     assert_ok(iso_report_create(&r, dir, &about, &err));
     assert_status(iso_report_add_image(r, "../a", &image, NULL, NULL, &err), ISO_E_RANGE);
     assert_status(iso_report_add_image(r, "", &image, NULL, NULL, &err), ISO_E_RANGE);
@@ -520,30 +507,26 @@ TEST(bad_names_are_refused)
     assert_status(iso_report_add_agreement(r, &row, &err), ISO_E_RANGE);
     assert_int_equal(json_array_size(json_object_get(iso_report_json(r), "agreement")), 0);
     iso_report_destroy(r);
-    iso_image_destroy(&image);
-    iso_image_destroy(&small);
-    free(dir);
 }
 
 TEST(without_gnuplot_there_are_no_charts_and_it_says_so)
 {
-    char *dir = inside("plain");
+    FREED char *dir = inside("plain");
     setenv("ISOSHADE_GNUPLOT", "/nonexistent/gnuplot", 1);
     iso_report *r = example(dir);
     assert_ok(iso_report_finish(r, &err));
     unsetenv("ISOSHADE_GNUPLOT");
     assert_non_null(json_object_get(iso_report_json(r), "charts_missing"));
     iso_report_destroy(r);
-    free(dir);
 }
 
 TEST(a_restyled_chart_keeps_its_style)
 {
-    char *dir = inside("style"), *style, *svg, *text;
+    FREED char *dir = inside("style"), *style, *svg, *text;
     iso_report *r = example(dir);
     assert_ok(iso_report_finish(r, &err));
     iso_report_destroy(r);
-    char *command = NULL;
+    FREED char *command = NULL;
     style = iso_path_join(dir, "charts/style.gp");
     svg = iso_path_join(dir, "charts/agreement.svg");
     size_t size = 0;
@@ -553,11 +536,6 @@ TEST(a_restyled_chart_keeps_its_style)
     assert_int_equal(system(command), 0);
     read_text(svg, &text);
     assert_non_null(strstr(text, "rgb( 18,  52,  86)"));
-    free(command);
-    free(text);
-    free(svg);
-    free(style);
-    free(dir);
 }
 
 /* gnuplot prints a text as it was: all bytes, and those that mean something in scripts, next to each other. */
@@ -565,7 +543,7 @@ TEST(quoted_texts_are_what_gnuplot_reads)
 {
     static const char *const odd[] = {"''a''''b'",       "\"\"",           "\\", "\\\\\"", "'1\"07\\0\n12",
                                       "`date`$HOME@a%d#", "{/Bold x}^2_{3}", "",   "a'; system('touch x'); print 'b"};
-    char *script = inside("quoted.gp"), *printed = inside("quoted.txt"), *gnuplot = NULL, *said;
+    FREED char *script = inside("quoted.gp"), *printed = inside("quoted.txt"), *gnuplot = NULL, *said;
     char wanted[4096] = "", all[256];
     for (int c = 1; c < 256; ++c)
         all[c - 1] = (char)c, all[c] = 0;
@@ -585,10 +563,6 @@ TEST(quoted_texts_are_what_gnuplot_reads)
     assert_ok(iso_process_run((const char *[]){gnuplot, "-d", script, NULL}, &options, &err));
     read_text(printed, &said);
     assert_string_equal(said, wanted);
-    free(said);
-    free(gnuplot);
-    free(printed);
-    free(script);
 }
 
 int main(int argc, char **argv)

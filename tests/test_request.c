@@ -28,10 +28,9 @@ static json_t *written(const iso_pyramid *p, size_t level, const iso_view *view)
     const iso_request q = {
         .scene = "noise", .pyramid = p, .level = level, .view = view, .frames = frames, .frame_count = 2, .threads = 1};
     json_t *root;
-    char *path = iso_path_join(folder, "request.json");
+    FREED char *path = iso_path_join(folder, "request.json");
     assert_ok(iso_request_write(&q, folder, &err));
     assert_ok(iso_json_load(path, &root, &err));
-    free(path);
     return root;
 }
 
@@ -76,40 +75,36 @@ static void expect_projection(const json_t *root, const iso_view *view)
 
 TEST(cameras_project_as_our_rays_look)
 {
-    iso_pyramid p = noise();
+    OWNED(iso_pyramid) p = noise();
     for (int orthographic = 0; orthographic < 2; ++orthographic) {
         iso_scene scene = scene_of_points(points, 3);
         scene.orthographic = orthographic;
-        iso_view view = view_of(&scene, &p);
+        OWNED(iso_view) view = view_of(&scene, &p);
         json_t *root = written(&p, 0, &view);
         expect_projection(root, &view);
         json_decref(root);
-        iso_view_destroy(&view);
     }
-    iso_pyramid_destroy(&p);
 }
 
 /* The last bytes of a file. */
 static void expect_tail(const char *name, const void *wanted, size_t size)
 {
-    char *path = iso_path_join(folder, name), *data;
+    FREED char *path = iso_path_join(folder, name), *data;
     size_t all;
     assert_ok(iso_file_read(path, &data, &all, &err));
     assert_true(all > size);
     assert_memory_equal(data + all - size, wanted, size);
-    free(data);
-    free(path);
 }
 
 TEST(samples_directions_and_steps_are_those_of_the_level)
 {
-    iso_pyramid p = noise();
+    OWNED(iso_pyramid) p = noise();
     const iso_scene scene = scene_of_points(points, 3);
-    iso_view view = view_of(&scene, &p);
+    OWNED(iso_view) view = view_of(&scene, &p);
     json_t *root = written(&p, 1, &view), *volume = json_object_get(root, "volume");
     const iso_level *l = &p.levels[1];
     const size_t count = iso_geometry_voxel_count(&l->geometry);
-    float *directions = malloc(3 * count * sizeof *directions);
+    FREED float *directions = malloc(3 * count * sizeof *directions);
     iso_code_decode_all(p.options.code, l->codes, directions, count);
     expect_tail("volume.nrrd", l->scalar, count * sizeof *l->scalar);
     expect_tail("directions.nrrd", directions, 3 * count * sizeof *directions);
@@ -131,17 +126,14 @@ TEST(samples_directions_and_steps_are_those_of_the_level)
     assert_int_equal(json_array_size(json_object_get(tf, "extinction_per_mm")), view.tf.count);
     assert_true((float)at(json_object_get(tf, "extinction_per_mm"), 200) == view.tf.entries[4 * 200 + 3]);
     assert_true((float)at(json_array_get(json_object_get(tf, "color"), 200), 1) == view.tf.entries[4 * 200 + 1]);
-    free(directions);
     json_decref(root);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(without_light_there_are_no_directions)
 {
-    iso_pyramid p = noise();
+    OWNED(iso_pyramid) p = noise();
     const iso_scene scene = scene_of_points(points, 3);
-    iso_view view = view_of(&scene, &p);
+    OWNED(iso_view) view = view_of(&scene, &p);
     json_t *root = written(&p, 0, &view);
     assert_string_equal(json_string_value(json_object_get(json_object_get(root, "directions"), "file")),
                         "directions.nrrd");
@@ -150,15 +142,13 @@ TEST(without_light_there_are_no_directions)
     root = written(&p, 0, &view);
     assert_true(json_is_null(json_object_get(root, "directions")));
     json_decref(root);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(what_it_has_no_words_for_is_refused)
 {
-    iso_pyramid p = noise();
+    OWNED(iso_pyramid) p = noise();
     const iso_scene scene = scene_of_points(points, 3);
-    iso_view view = view_of(&scene, &p);
+    OWNED(iso_view) view = view_of(&scene, &p);
     uint8_t scale = 0;
     iso_error why = {""};
     const iso_request_frame frame = {.file = "a.exr"};
@@ -168,8 +158,6 @@ TEST(what_it_has_no_words_for_is_refused)
                      ISO_E_USAGE);
     assert_non_null(strstr(why.text, "extinction scales"));
     view.extinction_scale = NULL;
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST_MAIN(make_folder, remove_folder)

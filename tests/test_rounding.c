@@ -47,10 +47,9 @@ static iso_scene make_scene(void)
 /* The rows of gradients on the fly, drawn with the shaders of a folder, or with the built-in ones. */
 static void open_rows(subject *s, const char *name, const char *shader_dir)
 {
-    iso_volume volume;
+    OWNED(iso_volume) volume;
     make_padded(&volume);
     open_volume(s, &volume, make_scene(), name, size);
-    iso_volume_destroy(&volume);
     iso_validation *v = &s->validation;
     v->image_prefix = v->build_options = v->render_options = v->input_options = "";
     v->variant = "on-the-fly";

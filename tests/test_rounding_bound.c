@@ -126,10 +126,8 @@ static double rmse_of_a_shifted_table(const subject *s, double entries)
     const double shift = entries * (s->view.tf.hi - s->view.tf.lo) / (double)(s->view.tf.count - 1);
     other.view.tf.lo += shift;
     other.view.tf.hi += shift;
-    iso_image a = picture(s, &iso_renderer_reference), b = picture(&other, &iso_renderer_reference);
+    OWNED(iso_image) a = picture(s, &iso_renderer_reference), b = picture(&other, &iso_renderer_reference);
     const double rmse = difference(&a, &b).rmse;
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
     return rmse;
 }
 
@@ -163,18 +161,15 @@ TEST(the_ray_caster_is_within_the_bound)
     const iso_sample_error rest = iso_renderer_gl.lock_step->exact;
     for (size_t k = 0; k < 3; ++k)
         for (size_t w = 0; w < 3; ++w) {
-            iso_volume v = sampled(kinds[k]);
+            OWNED(iso_volume) v = sampled(kinds[k]);
             subject s = open_subject(&v, 64, 20, 20 + widths[w], 2, true);
             const iso_sample_error most = bound_of(&s);
-            iso_image a = picture(&s, &iso_renderer_reference), b = picture(&s, &iso_renderer_gl);
+            OWNED(iso_image) a = picture(&s, &iso_renderer_reference), b = picture(&s, &iso_renderer_gl);
             const iso_metrics m = difference(&a, &b);
             if (!(m.rmse <= most.rmse + rest.rmse) || !(m.max_abs <= most.max_abs + rest.max_abs))
                 fail_msg("kind %zu, %zu entries: RMSE %g of %g, largest %g of %g", k, widths[w], m.rmse, most.rmse,
                          m.max_abs, most.max_abs);
-            iso_image_destroy(&a);
-            iso_image_destroy(&b);
             close_subject(&s);
-            iso_volume_destroy(&v);
         }
 }
 
@@ -184,7 +179,7 @@ TEST(the_ray_caster_is_within_the_bound)
 TEST(what_is_no_rounding_is_rejected)
 {
     const double usual = iso_renderer_gl.lock_step->rounded.rmse;
-    iso_volume v = sampled(ISO_FIELD_NOISE);
+    OWNED(iso_volume) v = sampled(ISO_FIELD_NOISE);
     subject ordinary = open_subject(&v, 256, 60, 200, 0.3, true), steep = open_subject(&v, 1024, 512, 513, 9, true);
     assert_true(limits_of(&ordinary).rmse == usual);
     assert_more_than(bound_of(&steep).rmse, usual); /* else this shows nothing */
@@ -194,7 +189,6 @@ TEST(what_is_no_rounding_is_rejected)
     assert_more_than(rmse_of_a_shifted_table(&steep, 0.5), 5 * limits_of(&steep).rmse);
     close_subject(&ordinary);
     close_subject(&steep);
-    iso_volume_destroy(&v);
 }
 
 TEST_MAIN(NULL, end_renderers)

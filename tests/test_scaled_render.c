@@ -35,7 +35,7 @@ static iso_pyramid noise_pyramid(iso_code code)
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column)
             field.geometry.index_to_world.m[row][column] = rotation[row][column] * h[column];
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
@@ -43,7 +43,6 @@ static iso_pyramid noise_pyramid(iso_code code)
     opt.keep_float = true;
     assert_ok(iso_field_sample(&field, ISO_U8, &v, &err));
     assert_ok(iso_pyramid_build(&v, "field", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -105,11 +104,11 @@ static iso_metrics compare(const iso_image *a, const iso_image *b)
 static void check_renderer(const iso_pyramid *p, const iso_view *view, const iso_render_options *with,
                            const iso_render_options *reference, double max_abs, double rmse)
 {
-    uint8_t *scale = make_scale(p, RIGHT);
-    iso_image have = render(p, view, scale, with);
+    FREED uint8_t *scale = make_scale(p, RIGHT);
+    OWNED(iso_image) have = render(p, view, scale, with);
     for (int f = 0; f < FAULT_COUNT; ++f) {
-        uint8_t *other = make_scale(p, (fault)f);
-        iso_image want = render(p, view, other, reference);
+        FREED uint8_t *other = make_scale(p, (fault)f);
+        OWNED(iso_image) want = render(p, view, other, reference);
         const iso_metrics m = compare(&have, &want);
         print_message("%s, %s, fault %d: rmse %.3g, max %.3g\n", with->renderer->name,
                       iso_direction_source_name(with->source), f, m.rmse, m.max_abs);
@@ -119,11 +118,7 @@ static void check_renderer(const iso_pyramid *p, const iso_view *view, const iso
         } else {
             assert_more_than(m.rmse, 2.5 * rmse); /* with a margin */
         }
-        iso_image_destroy(&want);
-        free(other);
     }
-    iso_image_destroy(&have);
-    free(scale);
 }
 
 /* ---- the ray caster -------------------------------------------------------------------- */
@@ -135,8 +130,8 @@ TEST(the_ray_caster_scales_by_any_directions)
     static const iso_direction_source sources[] = {ISO_FROM_CODES, ISO_FROM_DECODED, ISO_FROM_FLOAT, ISO_FROM_FLIPPED,
                                                    ISO_FROM_ON_THE_FLY};
     for (int c = 0; c < 2; ++c) {
-        iso_pyramid p = noise_pyramid(codes[c]);
-        iso_view view = make_view(&p);
+        OWNED(iso_pyramid) p = noise_pyramid(codes[c]);
+        OWNED(iso_view) view = make_view(&p);
         for (size_t s = 0; s < sizeof sources / sizeof *sources; ++s) {
             iso_render_options with = iso_render_defaults(&iso_renderer_gl),
                                reference = iso_render_defaults(&iso_renderer_reference);
@@ -144,15 +139,13 @@ TEST(the_ray_caster_scales_by_any_directions)
             with.source = reference.source = sources[s];
             check_renderer(&p, &view, &with, &reference, GL_MAX_ABS, GL_RMSE);
         }
-        iso_view_destroy(&view);
-        iso_pyramid_destroy(&p);
     }
 }
 
 TEST(the_ray_caster_scales_means_and_exact_lookups)
 {
-    iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
-    iso_view view = make_view(&p);
+    OWNED(iso_pyramid) p = noise_pyramid(ISO_CODE_SNORM);
+    OWNED(iso_view) view = make_view(&p);
     iso_render_options with = iso_render_defaults(&iso_renderer_gl),
                        reference = iso_render_defaults(&iso_renderer_reference);
     with.quadrature = reference.quadrature = ISO_QUADRATURE_PREINTEGRATED;
@@ -160,15 +153,13 @@ TEST(the_ray_caster_scales_means_and_exact_lookups)
     with.quadrature = reference.quadrature = ISO_QUADRATURE_MIDPOINT;
     with.exact_lookups = true;
     check_renderer(&p, &view, &with, &reference, 1e-5, 5e-7); /* gl.c: what exact lookups leave */
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* Bricks that the transfer function does not show are not shown by a scale either. */
 TEST(empty_bricks_stay_empty)
 {
-    iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
-    iso_view view = make_view(&p);
+    OWNED(iso_pyramid) p = noise_pyramid(ISO_CODE_SNORM);
+    OWNED(iso_view) view = make_view(&p);
     iso_image images[2];
     iso_gl *gl;
     view.extinction_scale = make_scale(&p, RIGHT);
@@ -182,15 +173,13 @@ TEST(empty_bricks_stay_empty)
     assert_at_most(compare(&images[0], &images[1]).max_abs, 2e-6);
     iso_image_destroy(&images[0]);
     iso_image_destroy(&images[1]);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* A region of interest has a finer level, which is not scaled; what lies around it is. */
 TEST(the_level_around_a_region_of_interest_is_scaled)
 {
-    iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
-    iso_view view = make_view(&p);
+    OWNED(iso_pyramid) p = noise_pyramid(ISO_CODE_SNORM);
+    OWNED(iso_view) view = make_view(&p);
     iso_render_options with = iso_render_defaults(&iso_renderer_gl),
                        reference = iso_render_defaults(&iso_renderer_reference);
     iso_roi_options options = iso_roi_defaults();
@@ -201,45 +190,39 @@ TEST(the_level_around_a_region_of_interest_is_scaled)
     view.roi = roi;
     reference.quadrature = ISO_QUADRATURE_MIDPOINT;
     check_renderer(&p, &view, &with, &reference, GL_MAX_ABS, GL_RMSE);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* ---- programs -------------------------------------------------------------------------- */
 
 TEST(povray_scales_by_a_second_density)
 {
-    iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
-    iso_view view = make_view(&p);
+    OWNED(iso_pyramid) p = noise_pyramid(ISO_CODE_SNORM);
+    OWNED(iso_view) view = make_view(&p);
     iso_render_options with = iso_render_defaults(&iso_renderer_povray),
                        reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_POVRAY;
     with.intervals = reference.intervals = 60;
     check_renderer(&p, &view, &with, &reference, POVRAY_MAX_ABS, POVRAY_RMSE);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 VALUES_TEST(cycles_scales_by_a_grid)
 {
     need_cycles();
-    iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
-    iso_view view = make_view(&p);
+    OWNED(iso_pyramid) p = noise_pyramid(ISO_CODE_SNORM);
+    OWNED(iso_view) view = make_view(&p);
     iso_render_options with = iso_render_defaults(&iso_renderer_cycles),
                        reference = iso_render_defaults(&iso_renderer_reference);
     with.step_voxels = 0.125;
     check_renderer(&p, &view, &with, &reference, 1, CYCLES_RMSE);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(the_grid_holds_log2_of_the_scale)
 {
-    iso_pyramid p = noise_pyramid(ISO_CODE_SNORM);
+    OWNED(iso_pyramid) p = noise_pyramid(ISO_CODE_SNORM);
     const size_t *n = p.levels[1].geometry.size, count = n[0] * n[1] * n[2];
-    uint8_t *scale = make_scale(&p, RIGHT);
-    float *read = malloc(count * sizeof *read);
-    char *path = iso_path_join(folder, "scaled.vdb");
+    FREED uint8_t *scale = make_scale(&p, RIGHT);
+    FREED float *read = malloc(count * sizeof *read);
+    FREED char *path = iso_path_join(folder, "scaled.vdb");
     iso_vdb_options opt = iso_vdb_defaults();
     opt.extinction_scale = scale;
     assert_ok(iso_vdb_save(&p, 1, 1, path, &opt, NULL, &err));
@@ -247,10 +230,6 @@ TEST(the_grid_holds_log2_of_the_scale)
     for (size_t i = 0; i < count; ++i)
         assert_within((double)read[i], iso_extinction_scale_log2(scale[i]), 1e-6);
     assert_status(iso_vdb_save(&p, 0, 2, path, &opt, NULL, &err), ISO_E_RANGE);
-    free(read);
-    free(scale);
-    free(path);
-    iso_pyramid_destroy(&p);
 }
 
 static int end_all(void **state)

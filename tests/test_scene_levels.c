@@ -48,11 +48,10 @@ static iso_volume bumpy_ball(size_t n)
 static iso_pyramid ball_pyramid(size_t n)
 {
     iso_pyramid_options opt = iso_pyramid_defaults();
-    iso_volume v = bumpy_ball(n);
+    OWNED(iso_volume) v = bumpy_ball(n);
     opt.level_count = 4;
     opt.threads = 2;
     iso_pyramid p = build(&v, &opt);
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -102,11 +101,11 @@ TEST(what_is_no_clear_gain_is_not_chosen)
 /* Scalars that look wrong lose, whatever they are called; those that look right win. */
 VALUES_TEST(small_views_see_a_planted_scalar)
 {
-    iso_pyramid p = ball_pyramid(40);
+    OWNED(iso_pyramid) p = ball_pyramid(40);
     const iso_scene scene = surface_scene();
     const size_t count = iso_geometry_voxel_count(&p.levels[2].geometry);
-    float *good = malloc(count * sizeof *good), *bad = malloc(count * sizeof *bad);
-    iso_view view;
+    FREED float *good = malloc(count * sizeof *good), *bad = malloc(count * sizeof *bad);
+    OWNED(iso_view) view;
     iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT] = {{0}};
     assert_ok(iso_scene_resolve(&(iso_scene){.path = scene.path,
                                              .width = 8,
@@ -134,31 +133,24 @@ VALUES_TEST(small_views_see_a_planted_scalar)
     assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[ISO_LEVEL_SCALAR_COUNT]){bad, p.levels[2].scalar, NULL}, 2,
                                     c, &err));
     assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_LEAST_SQUARES);
-    free(good);
-    free(bad);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* The same numbers as --scalar-filter least-squares, made another way: rounding, and what its apron leaves out. */
 TEST(least_squares_are_those_of_the_filter)
 {
     iso_pyramid_options opt = iso_pyramid_defaults();
-    iso_volume v = noise(37, 21, 30);
+    OWNED(iso_volume) v = noise(37, 21, 30);
     opt.scalar_filter = ISO_SCALAR_LEAST_SQUARES;
     opt.threads = 2;
-    iso_pyramid p = build(&v, &opt);
-    iso_volume_destroy(&v);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     for (size_t level = 1; level < p.level_count; ++level) {
         const size_t count = iso_geometry_voxel_count(&p.levels[level].geometry);
-        float *made = malloc(count * sizeof *made);
+        FREED float *made = malloc(count * sizeof *made);
         assert_ok(
             iso_level_scalars_make(&(iso_level_scalar_input){&p.levels[0], NULL, level, 3}, made, NULL, NULL, &err));
         for (size_t i = 0; i < count; ++i)
             assert_within((double)made[i], (double)p.levels[level].scalar[i], 1e-5);
-        free(made);
     }
-    iso_pyramid_destroy(&p);
 }
 
 /* ---- making, storing, making again ------------------------------------------------------------------------------- */
@@ -167,20 +159,19 @@ static iso_pyramid stored_ball(iso_scene_level levels[32])
 {
     iso_pyramid p = ball_pyramid(40), loaded;
     const iso_scene scene = surface_scene();
-    char *dir = iso_path_join(folder, "ball.iso");
+    FREED char *dir = iso_path_join(folder, "ball.iso");
     assert_ok(iso_scene_levels_make(&p, 1, &scene, NULL, 2, levels, NULL, &err));
     assert_ok(iso_pyramid_save(&p, dir, &err));
     iso_pyramid_destroy(&p);
     assert_ok(iso_pyramid_load(dir, &loaded, &err));
-    free(dir);
     return loaded;
 }
 
 TEST(a_sharp_surface_gets_levels_of_its_own)
 {
     iso_scene_level levels[32];
-    iso_pyramid p = stored_ball(levels);
-    iso_tf_table tf;
+    OWNED(iso_pyramid) p = stored_ball(levels);
+    OWNED(iso_tf_table) tf;
     iso_level_scalar kinds[32];
     assert_int_equal(levels[2].chosen, ISO_LEVEL_FITTED);
     assert_at_most(levels[2].candidates[ISO_LEVEL_FITTED].ssim_dissimilarity,
@@ -193,15 +184,13 @@ TEST(a_sharp_surface_gets_levels_of_its_own)
     for (size_t i = 0; i < iso_geometry_voxel_count(&p.levels[2].geometry); ++i)
         assert_true((double)p.levels[2].scalar[i] >= p.levels[2].min &&
                     (double)p.levels[2].scalar[i] <= p.levels[2].max);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(it_is_made_again_from_level_0)
 {
     iso_scene_level levels[32];
     iso_level_check checks[32];
-    iso_pyramid p = stored_ball(levels);
+    OWNED(iso_pyramid) p = stored_ball(levels);
     for (int threads = 1; threads < 4; threads += 2) {
         assert_ok(iso_fit_verify(&p, threads, checks, NULL, &err));
         for (size_t k = 0; k < p.level_count; ++k)
@@ -215,7 +204,6 @@ TEST(it_is_made_again_from_level_0)
     p.levels[2].max *= 1.5;
     assert_ok(iso_fit_verify(&p, 1, checks, NULL, &err));
     assert_string_equal(checks[2].what, "range");
-    iso_pyramid_destroy(&p);
 }
 
 /* What pyramid.json says is what is checked: neither a mean that calls itself fitted passes, nor another TF's fit. */
@@ -223,7 +211,7 @@ VALUES_TEST(what_it_says_of_itself_is_held_to_it)
 {
     iso_scene_level levels[32];
     iso_level_check checks[32];
-    iso_pyramid p = stored_ball(levels);
+    OWNED(iso_pyramid) p = stored_ball(levels);
     json_t *all = json_object_get(p.made_for, "levels"), *entry = json_array_get(all, 1);
     json_object_set_new(entry, "scalar", json_string("least-squares"));
     assert_ok(iso_fit_verify(&p, 2, checks, NULL, &err));
@@ -235,7 +223,6 @@ VALUES_TEST(what_it_says_of_itself_is_held_to_it)
     assert_string_equal(checks[2].what, "values");
     json_object_set_new(entry, "scalar", json_string("guessed"));
     assert_status(iso_fit_verify(&p, 2, checks, NULL, &err), ISO_E_FORMAT);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(memory_is_estimated)

@@ -90,11 +90,10 @@ TEST(visible_points_are_within_the_distances_of_their_tile)
     size_t seen = 0;
     for (int i = 0; i < 24; ++i) {
         scene_case c;
-        iso_screen_reach r;
+        OWNED(iso_screen_reach) r;
         make_case(&c, &random, i % 2, i % 3 == 0 ? 4 : 60); /* a camera inside the volume, too */
         assert_ok(iso_screen_reach_create(&r, &c.geometry, &c.view, &c.blocks, &err));
         assert_int_equal(count_missed(&c, &r, &random, &seen), 0);
-        iso_screen_reach_destroy(&r);
     }
     assert_true(seen > 5000);
 }
@@ -106,12 +105,11 @@ TEST(blocks_that_stand_elsewhere_are_noticed)
     size_t missed = 0, seen = 0;
     for (int i = 0; i < 24; ++i) {
         scene_case c;
-        iso_screen_reach r;
+        OWNED(iso_screen_reach) r;
         make_case(&c, &random, i % 2, 60);
         c.blocks.first = 4;
         assert_ok(iso_screen_reach_create(&r, &c.geometry, &c.view, &c.blocks, &err));
         missed += count_missed(&c, &r, &random, &seen);
-        iso_screen_reach_destroy(&r);
     }
     assert_true(missed > 0);
 }
@@ -120,7 +118,7 @@ TEST(invisible_blocks_are_in_no_tile)
 {
     iso_random random = {5};
     scene_case c;
-    iso_screen_reach r;
+    OWNED(iso_screen_reach) r;
     size_t covered = 0;
     make_case(&c, &random, true, 60);
     memset(c.distance, 1, sizeof c.distance);
@@ -130,14 +128,13 @@ TEST(invisible_blocks_are_in_no_tile)
         covered += r.mm[2 * i] <= r.mm[2 * i + 1];
     /* A block of 4 voxels of at most 1.9 mm is at most 14 mm wide; 61 pixels are 40 mm. */
     assert_true(covered >= 1 && covered <= 25);
-    iso_screen_reach_destroy(&r);
 }
 
 TEST(blocks_inside_others_are_passed_over_and_nothing_changes)
 {
     iso_random random = {9};
     scene_case c;
-    iso_screen_reach full, hollow;
+    OWNED(iso_screen_reach) full, hollow;
     make_case(&c, &random, false, 60);
     memset(c.distance, 0, sizeof c.distance);
     assert_ok(iso_screen_reach_create(&full, &c.geometry, &c.view, &c.blocks, &err));
@@ -147,8 +144,6 @@ TEST(blocks_inside_others_are_passed_over_and_nothing_changes)
                 c.distance[x + 5 * (y + 4 * z)] = 1;
     assert_ok(iso_screen_reach_create(&hollow, &c.geometry, &c.view, &c.blocks, &err));
     assert_memory_equal(full.mm, hollow.mm, 2 * full.columns * full.rows * sizeof *full.mm);
-    iso_screen_reach_destroy(&full);
-    iso_screen_reach_destroy(&hollow);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -10,7 +10,7 @@
 
 static iso_pyramid pyramid_of(const iso_geometry *g, double (*value)(const double at[3]), size_t levels)
 {
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     assert_ok(iso_volume_create(&v, g, ISO_F32, "v", &err));
     float *data = v.data;
@@ -23,7 +23,6 @@ static iso_pyramid pyramid_of(const iso_geometry *g, double (*value)(const doubl
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = levels;
     assert_ok(iso_pyramid_build(&v, "v", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -73,8 +72,8 @@ TEST(a_cube_covers_three_fifths_of_a_view)
     /* Along (2, 2, -1) / 3 a cube of edge a covers a^2 (2 + 2 + 1) / 3, and the frame is 5/3 a wide, in each of the
      * twelve views: an opaque cube against nothing has the mean square 3/5. */
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){40, 40, 40}, (double[]){1.5, 1.5, 1.5});
-    iso_pyramid p = pyramid_of(&g, flat, 1);
-    iso_tf_table opaque = uniform(1e3), clear = uniform(0);
+    OWNED(iso_pyramid) p = pyramid_of(&g, flat, 1);
+    OWNED(iso_tf_table) opaque = uniform(1e3), clear = uniform(0);
     iso_small_views_error e[ISO_SMALL_VIEWS_MAX_TFS];
     const iso_small_views_input in = {
         .fine = p.levels, .coarse = p.levels, .original = &opaque, .tfs = {&opaque, &clear}, .tf_count = 2};
@@ -82,17 +81,14 @@ TEST(a_cube_covers_three_fifths_of_a_view)
     assert_true(e[0].rmse == 0 && e[0].ssim_dissimilarity == 0); /* level 0 against itself */
     assert_within(e[1].rmse, sqrt(0.6), 0.01); /* at the outline a ray may cross less than a step and see nothing */
     assert_more_than(e[1].ssim_dissimilarity, 0.5);
-    iso_tf_table_destroy(&opaque);
-    iso_tf_table_destroy(&clear);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(threads_change_nothing_and_a_wrong_level_shows)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){24, 29, 17}, (double[]){1, 0.8, 1.7});
     g.index_to_world.m[0][1] = 0.3; /* sheared */
-    iso_pyramid p = pyramid_of(&g, orbital, 2);
-    iso_tf_table tf = shell(p.levels);
+    OWNED(iso_pyramid) p = pyramid_of(&g, orbital, 2);
+    OWNED(iso_tf_table) tf = shell(p.levels);
     iso_small_views_error one[ISO_SMALL_VIEWS_MAX_TFS], three[ISO_SMALL_VIEWS_MAX_TFS], wrong[ISO_SMALL_VIEWS_MAX_TFS];
     iso_small_views_input in = {.fine = p.levels,
                                 .coarse = p.levels + 1,
@@ -120,16 +116,14 @@ TEST(threads_change_nothing_and_a_wrong_level_shows)
     in.level = 2; /* the planted fault: level 1 looked up as if it were level 2 */
     assert_ok(iso_small_views_compare(&in, wrong, &err));
     assert_more_than(wrong[0].rmse, 2 * one[0].rmse);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 /* The error at the voxels is lower by a tenth, and the space around the orbital fills with a haze. */
 TEST(a_signed_orbital_keeps_its_empty_space)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){48, 56, 56}, (double[]){1, 1, 1});
-    iso_pyramid p = pyramid_of(&g, orbital, 4);
-    iso_tf_table tf = shell(p.levels), out;
+    OWNED(iso_pyramid) p = pyramid_of(&g, orbital, 4);
+    OWNED(iso_tf_table) tf = shell(p.levels), out;
     iso_adapt_options opt = iso_adapt_defaults();
     iso_adapt_judgment v;
     assert_ok(iso_adapt_level(&p, 3, &tf, &opt, &out, &v, &err));
@@ -137,23 +131,17 @@ TEST(a_signed_orbital_keeps_its_empty_space)
     assert_true(v.seen && v.use_original);
     assert_more_than(v.seen_adapted.ssim_dissimilarity, 2 * v.seen_original.ssim_dissimilarity);
     assert_memory_equal(out.entries, tf.entries, 4 * tf.count * sizeof(float));
-    iso_tf_table_destroy(&out);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(a_picture_without_anything_in_it_keeps_the_original)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){16, 16, 16}, (double[]){1, 1, 1});
-    iso_pyramid p = pyramid_of(&g, orbital, 2);
-    iso_tf_table tf = uniform(0), out;
+    OWNED(iso_pyramid) p = pyramid_of(&g, orbital, 2);
+    OWNED(iso_tf_table) tf = uniform(0), out;
     iso_adapt_options opt = iso_adapt_defaults();
     iso_adapt_judgment v;
     assert_ok(iso_adapt_level(&p, 1, &tf, &opt, &out, &v, &err));
     assert_true(v.seen && v.use_original);
-    iso_tf_table_destroy(&out);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 /* 1 - SSIM of .1 in each view, and what is added to it in the even and in the odd ones. */

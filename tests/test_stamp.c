@@ -23,11 +23,10 @@ static void write_text(const char *path, const char *text)
 
 static bool holds(const char *path, const char *text)
 {
-    char *data = NULL;
+    FREED char *data = NULL;
     size_t size = 0;
     const bool is_equal =
         iso_file_read(path, &data, &size, NULL) == ISO_OK && size == strlen(text) && memcmp(data, text, size) == 0;
-    free(data);
     return is_equal;
 }
 

@@ -49,20 +49,17 @@ static iso_noise_test run(size_t count, double shift, double gain, double offset
                           uint64_t seed)
 {
     uint64_t state = seed * 0x9E3779B97F4A7C15u + 1;
-    iso_image reference = rendered(0, 1, 0, 0, &state);
-    iso_samples s;
+    OWNED(iso_image) reference = rendered(0, 1, 0, 0, &state);
+    OWNED(iso_samples) s;
     iso_noise_test test;
     assert_ok(iso_samples_create(&s, &reference, &err));
     for (size_t i = 0; i < count; ++i) {
-        iso_image image = rendered(shift, gain, offset, noise, &state);
+        OWNED(iso_image) image = rendered(shift, gain, offset, noise, &state);
         assert_ok(iso_samples_add(&s, &image, &err));
-        iso_image_destroy(&image);
     }
     assert_ok(iso_samples_test(
         &s, &(iso_noise_options){.significance = 0.001, .tolerance = tolerance, .bias_tolerance = tolerance}, &test,
         &err));
-    iso_samples_destroy(&s);
-    iso_image_destroy(&reference);
     return test;
 }
 
@@ -139,12 +136,12 @@ static rates measure_rates(noise_kind kind, size_t n, size_t repetitions, double
                            bool everywhere)
 {
     uint64_t state = 0x1234567 + n;
-    iso_image reference, image;
+    OWNED(iso_image) reference, image;
     rates r = {0};
     assert_ok(iso_image_create(&reference, small_width, small_height, &err));
     assert_ok(iso_image_create(&image, small_width, small_height, &err));
     for (size_t k = 0; k < repetitions; ++k) {
-        iso_samples s;
+        OWNED(iso_samples) s;
         iso_noise_test t;
         assert_ok(iso_samples_create(&s, &reference, &err));
         for (size_t j = 0; j < n; ++j) {
@@ -159,10 +156,7 @@ static rates measure_rates(noise_kind kind, size_t n, size_t repetitions, double
         assert_ok(iso_samples_test(&s, &(iso_noise_options){.significance = significance}, &t, &err));
         r.pixels += (t.rejected > 0) / (double)repetitions;
         r.bias += t.biased / (double)repetitions;
-        iso_samples_destroy(&s);
     }
-    iso_image_destroy(&reference);
-    iso_image_destroy(&image);
     return r;
 }
 
@@ -261,8 +255,8 @@ TEST(channels_do_not_cancel_and_alpha_counts)
     const double offsets[2][4] = {{0.01, 0, -0.01, 0}, {0, 0, 0, 0.01}};
     for (int k = 0; k < 2; ++k) {
         uint64_t random = 77;
-        iso_image reference, image;
-        iso_samples s;
+        OWNED(iso_image) reference, image;
+        OWNED(iso_samples) s;
         iso_noise_test t;
         assert_ok(iso_image_create(&reference, 16, 16, &err));
         assert_ok(iso_image_create(&image, 16, 16, &err));
@@ -275,18 +269,16 @@ TEST(channels_do_not_cancel_and_alpha_counts)
         assert_ok(iso_samples_test(&s, &(iso_noise_options){.significance = 0.001}, &t, &err));
         assert_true(t.biased);
         assert_true(k == 0 ? t.bias_channel == 0 || t.bias_channel == 2 : t.bias_channel == 3);
-        iso_samples_destroy(&s);
-        iso_image_destroy(&reference);
-        iso_image_destroy(&image);
     }
 }
 
 TEST(mean_and_bias_are_those_of_the_images)
 {
     uint64_t random = 5;
-    iso_image reference = rendered(0, 1, 0, 0, &random), a = rendered(0, 1, 0.01, 0, &random),
-              b = rendered(0, 1, 0.03, 0, &random);
-    iso_samples s;
+    OWNED(iso_image)
+    reference = rendered(0, 1, 0, 0, &random),
+    a = rendered(0, 1, 0.01, 0, &random), b = rendered(0, 1, 0.03, 0, &random);
+    OWNED(iso_samples) s;
     iso_noise_test t;
     assert_ok(iso_samples_create(&s, &reference, &err));
     assert_ok(iso_samples_add(&s, &a, &err));
@@ -295,17 +287,13 @@ TEST(mean_and_bias_are_those_of_the_images)
     assert_within(s.mean[0], truth(0, 0, 0) + 0.02, 1e-7); /* float images */
     assert_within(t.bias, 0.02, 1e-7);
     assert_within(t.bias_error, 0.01, 1e-7); /* deviation .0141, over the root of 2 */
-    iso_samples_destroy(&s);
-    iso_image_destroy(&reference);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 TEST(bad_samples_are_refused)
 {
     uint64_t random = 5;
     iso_image reference = rendered(0, 1, 0, 0, &random), bad = rendered(0, 1, 0, 0, &random), small, none = {0};
-    iso_samples s;
+    OWNED(iso_samples) s;
     iso_noise_test t;
     assert_ok(iso_image_create(&small, 3, 3, &err));
     assert_status(iso_samples_create(&s, &none, &err), ISO_E_RANGE);
@@ -322,7 +310,6 @@ TEST(bad_samples_are_refused)
                   ISO_E_RANGE);
     assert_status(iso_samples_test(&s, &(iso_noise_options){.significance = 0.01, .bias_tolerance = -1}, &t, &err),
                   ISO_E_RANGE);
-    iso_samples_destroy(&s);
     iso_image_destroy(&reference);
     iso_image_destroy(&bad);
     iso_image_destroy(&small);
@@ -343,7 +330,7 @@ static iso_image at_step(double h, double order)
 TEST(richardson_finds_the_limit_and_the_bar_of_a_power_law)
 {
     for (double order = 1; order <= 4; ++order) {
-        iso_image coarse = at_step(0.5, order), fine = at_step(0.25, order), exact = at_step(0, 1), limit;
+        OWNED(iso_image) coarse = at_step(0.5, order), fine = at_step(0.25, order), exact = at_step(0, 1), limit;
         iso_extrapolation out;
         assert_ok(iso_richardson(&coarse, &fine, 2, order, &limit, &out, &err));
         double squares = 0, largest = 0;
@@ -355,10 +342,6 @@ TEST(richardson_finds_the_limit_and_the_bar_of_a_power_law)
         }
         assert_within(out.error_bar, sqrt(squares / (4 * width * height)), 2e-7);
         assert_within(out.error_bar_max, largest, 4e-7);
-        iso_image_destroy(&coarse);
-        iso_image_destroy(&fine);
-        iso_image_destroy(&exact);
-        iso_image_destroy(&limit);
     }
 }
 
@@ -420,7 +403,7 @@ TEST(limits_with_a_planted_fault_do_not_agree)
 
 TEST(bad_extrapolations_are_refused)
 {
-    iso_image a = at_step(0.5, 1), small, limit = {0};
+    OWNED(iso_image) a = at_step(0.5, 1), small, limit = {0};
     iso_extrapolation out;
     double order;
     assert_ok(iso_image_create(&small, 3, 3, &err));
@@ -432,9 +415,6 @@ TEST(bad_extrapolations_are_refused)
     a.rgba[9] = NAN;
     assert_ok(iso_richardson(&a, &a, 2, 1, &limit, &out, &err));
     assert_true(isinf(out.error_bar) && isinf(out.error_bar_max));
-    iso_image_destroy(&limit);
-    iso_image_destroy(&a);
-    iso_image_destroy(&small);
 }
 
 TEST_MAIN(NULL, NULL)

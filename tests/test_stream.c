@@ -59,15 +59,11 @@ static const char *first_difference(const char *a, const char *b)
     for (struct dirent *e; d && same && (e = readdir(d));) {
         if (e->d_name[0] == '.')
             continue;
-        char *pa = iso_path_join(a, e->d_name), *pb = iso_path_join(b, e->d_name), *da = NULL, *db = NULL;
+        FREED char *pa = iso_path_join(a, e->d_name), *pb = iso_path_join(b, e->d_name), *da = NULL, *db = NULL;
         size_t na = 0, nb = 0;
         snprintf(name, sizeof name, "%s", e->d_name);
         same = iso_file_read(pa, &da, &na, NULL) == ISO_OK && iso_file_read(pb, &db, &nb, NULL) == ISO_OK && na == nb &&
                memcmp(da, db, na) == 0;
-        free(pa);
-        free(pb);
-        free(da);
-        free(db);
     }
     closedir(d);
     return same ? NULL : name;
@@ -123,10 +119,9 @@ static const job jobs[] = {
 static void build_in_memory(const job *j, const iso_volume *v, const char *source, const char *dir)
 {
     iso_pyramid_options opt = options_of(j);
-    iso_pyramid p;
+    OWNED(iso_pyramid) p;
     assert_ok(iso_pyramid_build(v, source, &opt, &p, NULL, &err));
     assert_ok(iso_pyramid_save(&p, dir, &err));
-    iso_pyramid_destroy(&p);
 }
 
 static iso_stream_report stream(const job *j, char *source, const char *dir, int threads, iso_stream_options how,
@@ -152,10 +147,10 @@ static char *partial_of(const char *name)
 
 TEST(slabs_and_threads_give_the_bytes_of_the_build_in_memory)
 {
-    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
-         *b = iso_path_join(folder, "b.iso");
+    FREED char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
+               *b = iso_path_join(folder, "b.iso");
     for (size_t i = 0; i < JOB_COUNT; ++i) {
-        iso_volume v = make_volume(jobs[i].size, jobs[i].type, source);
+        OWNED(iso_volume) v = make_volume(jobs[i].size, jobs[i].type, source);
         build_in_memory(&jobs[i], &v, source, a);
         for (int threads = 1; threads <= 3; threads += 2) {
             for (size_t slab = 0; slab < 3; ++slab) {
@@ -168,11 +163,7 @@ TEST(slabs_and_threads_give_the_bytes_of_the_build_in_memory)
                 assert_true(slab > 0 || r.slab_planes <= 16);
             }
         }
-        iso_volume_destroy(&v);
     }
-    free(source);
-    free(a);
-    free(b);
 }
 
 TEST(a_build_that_was_killed_is_taken_up_with_the_same_bytes)
@@ -183,7 +174,7 @@ TEST(a_build_that_was_killed_is_taken_up_with_the_same_bytes)
     for (size_t i = 0; i < JOB_COUNT; ++i) {
         if (jobs[i].size[2] < 20)
             continue;
-        iso_volume v = make_volume(jobs[i].size, jobs[i].type, source);
+        OWNED(iso_volume) v = make_volume(jobs[i].size, jobs[i].type, source);
         build_in_memory(&jobs[i], &v, source, a);
         for (size_t stop = 1; stop < jobs[i].size[2] - 16; stop += 17) {
             iso_remove_tree(b);
@@ -200,7 +191,6 @@ TEST(a_build_that_was_killed_is_taken_up_with_the_same_bytes)
             if (differs)
                 fail_msg("job %zu, stopped after %zu planes: %s differs", i, stop, differs);
         }
-        iso_volume_destroy(&v);
     }
     free(source);
     free(a);
@@ -210,10 +200,10 @@ TEST(a_build_that_was_killed_is_taken_up_with_the_same_bytes)
 
 TEST(what_does_not_fit_is_not_taken_up)
 {
-    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
-         *b = iso_path_join(folder, "d.iso");
+    FREED char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
+               *b = iso_path_join(folder, "d.iso");
     job other = jobs[0];
-    iso_volume v = make_volume(jobs[0].size, jobs[0].type, source);
+    OWNED(iso_volume) v = make_volume(jobs[0].size, jobs[0].type, source);
     stream(&jobs[0], source, b, 2, (iso_stream_options){.max_slab = 1, .stop_after = 8}, ISO_E_PROGRAM);
     other.levels = 3;
     build_in_memory(&other, &v, source, a);
@@ -224,45 +214,34 @@ TEST(what_does_not_fit_is_not_taken_up)
     assert_null(first_difference(a, b)); /* the finished one stays until the new one is */
     r = stream(&jobs[0], source, b, 2, (iso_stream_options){0}, ISO_OK); /* without resume: anew */
     assert_int_equal(r.resumed_at_plane, 0);
-    iso_volume_destroy(&v);
-    free(source);
-    free(a);
-    free(b);
 }
 
 TEST(files_shorter_than_the_progress_says_are_refused)
 {
-    char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "e.iso"), *partial = partial_of("e.iso");
-    iso_volume v = make_volume(jobs[0].size, jobs[0].type, source);
+    FREED char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "e.iso"),
+               *partial = partial_of("e.iso");
+    OWNED(iso_volume) v = make_volume(jobs[0].size, jobs[0].type, source);
     stream(&jobs[0], source, b, 2, (iso_stream_options){.max_slab = 1, .stop_after = 8}, ISO_E_PROGRAM);
-    char *path = iso_path_join(partial, "level_0.nrrd");
+    FREED char *path = iso_path_join(partial, "level_0.nrrd");
     assert_ok(iso_file_write(path, "NRRD0004", 8, &err));
     stream(&jobs[0], source, b, 2, (iso_stream_options){.resume = true}, ISO_E_FORMAT);
     assert_false(iso_path_exists(b));
-    iso_volume_destroy(&v);
-    free(path);
-    free(source);
-    free(b);
-    free(partial);
 }
 
 TEST(too_little_memory_is_refused_with_what_is_needed)
 {
-    char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "f.iso");
-    iso_volume v = make_volume(jobs[0].size, jobs[0].type, source);
+    FREED char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "f.iso");
+    OWNED(iso_volume) v = make_volume(jobs[0].size, jobs[0].type, source);
     stream(&jobs[0], source, b, 2, (iso_stream_options){.memory_bytes = 1000}, ISO_E_MEMORY);
     assert_false(iso_path_exists(b));
-    iso_volume_destroy(&v);
-    free(source);
-    free(b);
 }
 
 TEST(voxels_without_data_are_streamed_with_the_same_bytes)
 {
-    char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
-         *b = iso_path_join(folder, "h.iso");
+    FREED char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
+               *b = iso_path_join(folder, "h.iso");
     const job j = jobs[1];
-    iso_volume v = make_volume(j.size, ISO_F32, source), loaded;
+    OWNED(iso_volume) v = make_volume(j.size, ISO_F32, source), loaded;
     for (size_t i = 0; i < 2000; ++i)
         ((float *)v.data)[7 * i % iso_geometry_voxel_count(&v.geometry)] = NAN;
     assert_ok(iso_volume_save(&v, source, false, &err));
@@ -272,41 +251,32 @@ TEST(voxels_without_data_are_streamed_with_the_same_bytes)
     const char *differs = first_difference(a, b);
     if (differs)
         fail_msg("%s differs", differs);
-    iso_volume_destroy(&v);
-    iso_volume_destroy(&loaded);
-    free(source);
-    free(a);
-    free(b);
 }
 
 TEST(an_infinite_value_is_refused_and_leaves_nothing)
 {
-    char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "g.iso"), *partial = partial_of("g.iso");
-    iso_volume v = make_volume(jobs[1].size, jobs[1].type, source);
+    FREED char *source = iso_path_join(folder, "v.nrrd"), *b = iso_path_join(folder, "g.iso"),
+               *partial = partial_of("g.iso");
+    OWNED(iso_volume) v = make_volume(jobs[1].size, jobs[1].type, source);
     ((float *)v.data)[1000] = INFINITY;
     assert_ok(iso_volume_save(&v, source, false, &err));
     stream(&jobs[1], source, b, 2, (iso_stream_options){0}, ISO_E_RANGE);
     assert_false(iso_path_exists(b));
     assert_false(iso_path_exists(partial));
-    iso_volume_destroy(&v);
-    free(source);
-    free(b);
-    free(partial);
 }
 
 static const char *const names[] = {"pyramid.json", "level_*.nrrd", NULL};
 
 static void write_in(const char *dir, const char *name)
 {
-    char *path = iso_path_join(dir, name);
+    FREED char *path = iso_path_join(dir, name);
     assert_ok(iso_file_write(path, name, strlen(name), &err));
-    free(path);
 }
 
 /* Else the next run would take it for its own, and remove it. */
 TEST(a_file_that_somebody_puts_into_an_unfinished_folder_is_not_listed)
 {
-    char *path = iso_path_join(folder, "h.iso");
+    FREED char *path = iso_path_join(folder, "h.iso");
     iso_output out;
     bool resumed;
     assert_ok(iso_output_resume_dir(&out, path, names, false, &resumed, &err));
@@ -314,28 +284,22 @@ TEST(a_file_that_somebody_puts_into_an_unfinished_folder_is_not_listed)
     write_in(out.temp_path, "paper.tex");
     assert_ok(iso_output_commit(&out, &err));
     assert_status(iso_output_resume_dir(&out, path, names, false, &resumed, &err), ISO_E_IO);
-    char *paper = iso_path_join(path, "paper.tex");
+    FREED char *paper = iso_path_join(path, "paper.tex");
     assert_true(iso_path_is_file(paper));
-    free(paper);
-    free(path);
 }
 
 TEST(nor_does_it_go_with_a_folder_that_is_abandoned)
 {
-    char *path = iso_path_join(folder, "i.iso"), *partial = partial_of("i.iso");
+    FREED char *path = iso_path_join(folder, "i.iso"), *partial = partial_of("i.iso");
     iso_output out;
     bool resumed;
     assert_ok(iso_output_resume_dir(&out, path, names, false, &resumed, &err));
     write_in(partial, "level_0.nrrd");
     write_in(partial, "paper.tex");
     iso_output_abandon(&out);
-    char *paper = iso_path_join(partial, "paper.tex"), *level = iso_path_join(partial, "level_0.nrrd");
+    FREED char *paper = iso_path_join(partial, "paper.tex"), *level = iso_path_join(partial, "level_0.nrrd");
     assert_true(iso_path_is_file(paper));
     assert_false(iso_path_exists(level));
-    free(level);
-    free(paper);
-    free(partial);
-    free(path);
 }
 
 TEST_MAIN(make_folder, remove_folder)

@@ -143,7 +143,7 @@ static iso_level make_level(formula *value)
 /* Parts of all voxels and of those at the faces of which two hide more than 30 %. */
 static void measure(const iso_level *l, const iso_tf *tf, double *solid, double *faces)
 {
-    iso_tf_table table;
+    OWNED(iso_tf_table) table;
     size_t n[2] = {0, 0}, opaque[2] = {0, 0};
     const double two_voxels = 2 * iso_geometry_mean_spacing_mm(&l->geometry);
     assert_ok(iso_tf_tabulate(tf, l->min, l->max, &l->geometry, &table, &err));
@@ -161,14 +161,13 @@ static void measure(const iso_level *l, const iso_tf *tf, double *solid, double 
             }
     *solid = (double)opaque[0] / (double)n[0];
     *faces = (double)opaque[1] / (double)n[1];
-    iso_tf_table_destroy(&table);
 }
 
 TEST(the_object_is_shown_and_the_faces_are_no_wall)
 {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         iso_level l = make_level(cases[i].value);
-        iso_survey *survey;
+        FREED iso_survey *survey;
         iso_suggestion s;
         double solid, faces;
         assert_ok(iso_survey_make(&l, 1, &survey, &err));
@@ -181,7 +180,6 @@ TEST(the_object_is_shown_and_the_faces_are_no_wall)
         for (size_t k = 1; k < s.tf.point_count; ++k)
             assert_true(s.tf.points[k].value >= s.tf.points[k - 1].value);
         iso_suggestion_destroy(&s);
-        free(survey);
         free(l.scalar);
     }
 }
@@ -207,14 +205,12 @@ TEST(a_wall_and_nothing_are_told)
 TEST(threads_change_nothing)
 {
     iso_level l = make_level(spots);
-    iso_survey *one, *three;
+    FREED iso_survey *one, *three;
     assert_ok(iso_survey_make(&l, 1, &one, &err));
     assert_ok(iso_survey_make(&l, 3, &three, &err));
     assert_memory_equal(one->joint, three->joint, sizeof one->joint);
     assert_memory_equal(one->slope, three->slope, sizeof one->slope);
     assert_true(one->background_hi == three->background_hi && one->face_count == three->face_count);
-    free(one);
-    free(three);
     free(l.scalar);
 }
 
@@ -245,12 +241,11 @@ TEST(any_volume_gets_a_transfer_function)
         iso_level l = make_level(odd[i]);
         for (size_t row = 0; row < iso_tf_preset_names.count; ++row) {
             iso_tf tf;
-            iso_tf_table table;
+            OWNED(iso_tf_table) table;
             assert_ok(iso_tf_of_level(iso_names_name(&iso_tf_preset_names, row), NULL, NULL, &l, 1, &tf, &err));
             assert_ok(iso_tf_tabulate(&tf, l.min, l.max, &l.geometry, &table, &err));
             for (size_t e = 0; e < 4 * table.count; ++e)
                 assert_true(isfinite(table.entries[e]));
-            iso_tf_table_destroy(&table);
             iso_tf_destroy(&tf);
         }
         free(l.scalar);
@@ -280,7 +275,7 @@ TEST(views_have_their_sides)
         iso_scene shown = scene;
         iso_tf_point points[2] = {{.value = 0}, {.value = 1}};
         shown.tf = (iso_tf){.point_count = 2, .points = points, .range = {0, 1}, .unit_distance = 1, .table_size = 2};
-        iso_view view;
+        OWNED(iso_view) view;
         assert_ok(iso_scene_resolve(&shown, &g, 0, 1, &view, &err));
         double farthest = 0;
         for (int corner = 0; corner < 8; ++corner) {
@@ -293,7 +288,6 @@ TEST(views_have_their_sides)
                                            fabs(iso_dot(p, view.camera.right)) / (1.5 * high)));
         }
         assert_true(fabs(farthest - 0.95) < 1e-9);
-        iso_view_destroy(&view);
     }
 }
 
@@ -307,7 +301,7 @@ static double cut_chest(const sample_at *p)
 TEST(air_is_the_background_of_a_body_that_is_cut_off)
 {
     iso_level l = make_level(cut_chest);
-    iso_survey *survey;
+    FREED iso_survey *survey;
     iso_suggestion found;
     assert_ok(iso_survey_make(&l, 1, &survey, &err));
     assert_true(survey->is_hounsfield);
@@ -316,7 +310,6 @@ TEST(air_is_the_background_of_a_body_that_is_cut_off)
     assert_ok(iso_suggest(survey, &l.geometry, &found, &err));
     assert_int_equal(found.kind, ISO_SUGGEST_OBJECT);
     iso_suggestion_destroy(&found);
-    free(survey);
     free(l.scalar);
 }
 
@@ -338,7 +331,7 @@ TEST(the_camera_frames_what_is_visible)
         iso_tf_point points[] = {{.value = 90}, {.value = 95, .opacity = 0.9}, {.value = 200, .opacity = 0.9}};
         const iso_tf tf = {
             .points = points, .point_count = 3, .range = {90, 200}, .unit_distance = 1, .table_size = 256};
-        iso_tf_table table;
+        OWNED(iso_tf_table) table;
         assert_ok(iso_tf_tabulate(&tf, 0, 1, &l.geometry, &table, &err));
         assert_ok(iso_scene_frame_visible(&s, &l, &table, 1, &err));
         assert_int_equal(s.camera_fit, i != 0);
@@ -353,7 +346,6 @@ TEST(the_camera_frames_what_is_visible)
             assert_ok(iso_scene_frame_visible(&threads, &l, &table, 3, &err));
             assert_memory_equal(&threads.camera_position, &s.camera_position, sizeof s.camera_position);
         }
-        iso_tf_table_destroy(&table);
         free(l.scalar);
     }
 }

@@ -66,7 +66,7 @@ TEST(samples_are_the_field_at_voxel_centers)
 {
     for (int kind = 0; kind < ISO_FIELD_COUNT; ++kind) {
         iso_field f = turned_field((iso_field_kind)kind);
-        iso_volume v;
+        OWNED(iso_volume) v;
         assert_ok(iso_field_sample(&f, ISO_F64, &v, &err));
         const double *samples = v.data;
         for (size_t i = 0; i < 40 * 56 * 33; i += 97) {
@@ -74,7 +74,6 @@ TEST(samples_are_the_field_at_voxel_centers)
             /* positions are stepped along a row: rounding of 1e-15, times slopes up to 1 / .03 */
             assert_within(samples[i], iso_field_value(&f, iso_geometry_to_world(&f.geometry, center), NULL), 1e-12);
         }
-        iso_volume_destroy(&v);
     }
 }
 
@@ -85,12 +84,11 @@ TEST(integer_types_use_their_whole_range)
     iso_field f = {.kind = ISO_FIELD_SLAB};
     f.geometry = iso_geometry_axis_aligned((size_t[]){4, 4, 12}, (double[]){3, 3, 1});
     for (int type = ISO_U8; type <= ISO_I32; ++type) {
-        iso_volume v;
+        OWNED(iso_volume) v;
         assert_ok(iso_field_sample(&f, (iso_type)type, &v, &err));
         iso_volume_stats s = iso_volume_measure(&v);
         assert_within(s.min, lo[type], 0);
         assert_within(s.max, hi[type], 0);
-        iso_volume_destroy(&v);
     }
 }
 
@@ -100,15 +98,13 @@ TEST(planes_do_not_depend_on_slabs_or_threads)
         iso_field f = turned_field((iso_field_kind)kind);
         f.grain = 0.1;
         const size_t plane = 40 * 56;
-        float *whole = malloc(33 * plane * sizeof *whole), *slab = malloc(33 * plane * sizeof *slab);
+        FREED float *whole = malloc(33 * plane * sizeof *whole), *slab = malloc(33 * plane * sizeof *slab);
         assert_ok(iso_field_sample_planes(&f, ISO_F32, 0, 33, 1, whole, &err));
         for (size_t z = 0; z < 33; z += 5) {
             size_t end = z + 5 < 33 ? z + 5 : 33;
             assert_ok(iso_field_sample_planes(&f, ISO_F32, z, end, 3, slab, &err));
             assert_memory_equal(slab, whole + z * plane, (end - z) * plane * sizeof *slab);
         }
-        free(whole);
-        free(slab);
     }
 }
 

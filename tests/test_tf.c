@@ -31,10 +31,10 @@ static iso_geometry box(void)
 
 TEST(opacity_becomes_extinction_over_its_unit_distance)
 {
-    char *path = write_text("a.tf.json",
-                            TF_HEAD "\"range\": [0, 10], \"unit_distance_mm\": 2, \"table_size\": 11, " TF_POINTS);
+    FREED char *path = write_text("a.tf.json", TF_HEAD
+                                  "\"range\": [0, 10], \"unit_distance_mm\": 2, \"table_size\": 11, " TF_POINTS);
     iso_tf tf;
-    iso_tf_table table;
+    OWNED(iso_tf_table) table;
     iso_geometry g = box();
     assert_ok(iso_tf_load(path, &tf, &err));
     assert_ok(iso_tf_tabulate(&tf, 0, 1, &g, &table, &err));
@@ -50,14 +50,12 @@ TEST(opacity_becomes_extinction_over_its_unit_distance)
     assert_within(rgbs[2], 1, 0);
     iso_tf_lookup(&table, 99, rgbs);
     assert_within(rgbs[0], 1, 0);
-    iso_tf_table_destroy(&table);
     iso_tf_destroy(&tf);
-    free(path);
 }
 
 TEST(a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing)
 {
-    char *path = write_text(
+    FREED char *path = write_text(
         "b.tf.json",
         "{\"schema\": \"isoshade.tf/1\", \"color_space\": \"srgb\", \"range\": \"fit\", "
         "\"unit_distance_voxels\": 3, \"points\": [{\"value\": 0.5, \"r\": 0.5, \"g\": 0, \"b\": 1, \"opacity\": 1}]}");
@@ -77,27 +75,24 @@ TEST(a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing)
     iso_tf_table_destroy(&table);
     assert_status(iso_tf_tabulate(&tf, NAN, 7, &g, &table, &err), ISO_E_RANGE);
     iso_tf_destroy(&tf);
-    free(path);
 }
 
 TEST(two_points_of_one_value_make_a_step)
 {
-    char *path = write_text(
+    FREED char *path = write_text(
         "c.tf.json", TF_HEAD
         "\"range\": [0, 4], \"unit_distance_mm\": 1, \"table_size\": 5, \"points\": ["
         "{\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 0}, {\"value\": 1.5, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 0},"
         "{\"value\": 1.5, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0.5}, {\"value\": 4, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0.5}]}");
     const float expected[5] = {0, 0, 1, 1, 1};
     iso_tf tf;
-    iso_tf_table table;
+    OWNED(iso_tf_table) table;
     iso_geometry g = box();
     assert_ok(iso_tf_load(path, &tf, &err));
     assert_ok(iso_tf_tabulate(&tf, 0, 1, &g, &table, &err));
     for (size_t i = 0; i < 5; ++i)
         assert_within(table.entries[4 * i], (double)expected[i], 0);
-    iso_tf_table_destroy(&table);
     iso_tf_destroy(&tf);
-    free(path);
 }
 
 /* Values 0 to 65535 in 4096 entries: 16 values from one to the next. */
@@ -125,10 +120,10 @@ TEST(a_peak_between_two_entries_is_refused)
 
 TEST(a_saved_tf_loads_as_the_same_table)
 {
-    char *path = write_text("d.tf.json", TF_HEAD "\"range\": [0, 10], \"unit_distance_mm\": 2, " TF_POINTS);
-    char *again = iso_path_join(folder, "again.tf.json");
+    FREED char *path = write_text("d.tf.json", TF_HEAD "\"range\": [0, 10], \"unit_distance_mm\": 2, " TF_POINTS);
+    FREED char *again = iso_path_join(folder, "again.tf.json");
     iso_tf a, b;
-    iso_tf_table ta, tb;
+    OWNED(iso_tf_table) ta, tb;
     iso_geometry g = box();
     assert_ok(iso_tf_load(path, &a, &err));
     assert_ok(iso_tf_save(&a, again, &err));
@@ -136,12 +131,8 @@ TEST(a_saved_tf_loads_as_the_same_table)
     assert_ok(iso_tf_tabulate(&a, 0, 1, &g, &ta, &err));
     assert_ok(iso_tf_tabulate(&b, 0, 1, &g, &tb, &err));
     assert_memory_equal(ta.entries, tb.entries, ta.count * 16);
-    iso_tf_table_destroy(&ta);
-    iso_tf_table_destroy(&tb);
     iso_tf_destroy(&a);
     iso_tf_destroy(&b);
-    free(path);
-    free(again);
 }
 
 TEST(bad_transfer_functions_are_refused_by_key_and_value)
@@ -168,13 +159,12 @@ TEST(bad_transfer_functions_are_refused_by_key_and_value)
          "ascend", ISO_E_RANGE},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char *path = write_text("bad.tf.json", cases[i].text);
+        FREED char *path = write_text("bad.tf.json", cases[i].text);
         iso_tf tf;
         iso_error e = {""};
         assert_int_equal(iso_tf_load(path, &tf, &e), cases[i].status);
         if (!strstr(e.text, cases[i].named) || !strstr(e.text, "bad.tf.json"))
             fail_msg("case %zu: \"%s\" does not name %s and the file", i, e.text, cases[i].named);
-        free(path);
     }
 }
 
@@ -189,9 +179,9 @@ TEST(bad_transfer_functions_are_refused_by_key_and_value)
 
 TEST(a_fitted_camera_frames_the_whole_box)
 {
-    char *path = write_text("a.scene.json", SCENE(FIT_CAMERA, ONE_LIGHT, PLAIN_SHADING));
-    iso_scene scene;
-    iso_view view;
+    FREED char *path = write_text("a.scene.json", SCENE(FIT_CAMERA, ONE_LIGHT, PLAIN_SHADING));
+    OWNED(iso_scene) scene;
+    OWNED(iso_view) view;
     iso_geometry g = box();
     assert_ok(iso_scene_load(path, &scene, &err));
     assert_ok(iso_scene_resolve(&scene, &g, 0, 1, &view, &err));
@@ -205,9 +195,6 @@ TEST(a_fitted_camera_frames_the_whole_box)
     }
     /* a light at the viewer's back shines along the view */
     assert_within(iso_dot(view.lights[0].direction, view.camera.forward), -1, 1e-12);
-    iso_view_destroy(&view);
-    iso_scene_destroy(&scene);
-    free(path);
 }
 
 TEST(rays_leave_through_pixel_centers_with_row_0_on_top)
@@ -265,13 +252,12 @@ TEST(bad_scenes_are_refused_by_key_and_value)
          "none.tf.json", ISO_E_IO},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char *path = write_text("bad.scene.json", cases[i].text);
+        FREED char *path = write_text("bad.scene.json", cases[i].text);
         iso_scene scene;
         iso_error e = {""};
         assert_int_equal(iso_scene_load(path, &scene, &e), cases[i].status);
         if (!strstr(e.text, cases[i].named))
             fail_msg("case %zu: \"%s\" does not name %s", i, e.text, cases[i].named);
-        free(path);
     }
 }
 
@@ -281,12 +267,10 @@ TEST(the_reference_scenes_load)
                                         "refscenes/shells.scene.json"};
     iso_geometry g = box();
     for (size_t i = 0; i < 3; ++i) {
-        iso_scene scene;
-        iso_view view;
+        OWNED(iso_scene) scene;
+        OWNED(iso_view) view;
         assert_ok(iso_scene_load(names[i], &scene, &err));
         assert_ok(iso_scene_resolve(&scene, &g, 0, 255, &view, &err));
-        iso_view_destroy(&view);
-        iso_scene_destroy(&scene);
     }
 }
 
@@ -298,7 +282,7 @@ TEST(the_densest_table_is_read_back_and_a_denser_one_refused)
     iso_tf_point ends[] = {{.value = 0}, {.value = 1, .opacity = 1}};
     const iso_tf densest = {
         .point_count = 2, .points = ends, .range = {0, 1}, .unit_distance = ISO_TF_LEAST_UNIT, .table_size = 2};
-    iso_tf_table table, back;
+    OWNED(iso_tf_table) table, back;
     iso_tf written, read;
     iso_error why = {""};
     assert_ok(iso_tf_tabulate(&densest, 0, 1, &g, &table, &err));
@@ -313,8 +297,6 @@ TEST(the_densest_table_is_read_back_and_a_denser_one_refused)
     table.entries[7] *= 1.001f;
     assert_int_equal(iso_tf_from_table(&table, &written, &why), ISO_E_RANGE);
     assert_non_null(strstr(why.text, "exceeds the limit of transfer functions"));
-    iso_tf_table_destroy(&table);
-    iso_tf_table_destroy(&back);
 }
 
 /* What is written and read comes back as the same table: float entries, and opacities stated in 17 digits. Formats of
@@ -343,7 +325,7 @@ TEST(each_format_that_is_written_and_read_keeps_the_table)
         if (!format->load)
             continue;
         iso_tf tf;
-        iso_tf_table back;
+        OWNED(iso_tf_table) back;
         assert_ok(iso_tf_load_as(path, &request, &tf, &err));
         assert_ok(iso_tf_tabulate(&tf, 0, 1, &g, &back, &err));
         if (is_own)
@@ -356,7 +338,6 @@ TEST(each_format_that_is_written_and_read_keeps_the_table)
                 assert_within(iso_linear_to_srgb(is[c]), iso_linear_to_srgb(was[c]), is_own ? 1e-6 : 2.0 / 255);
             assert_within(-expm1(-is[3]), -expm1(-was[3]), is_own ? 1e-6 : 2.0 / 255);
         }
-        iso_tf_table_destroy(&back);
         iso_tf_destroy(&tf);
         ++*(is_own ? &own : &others);
     }

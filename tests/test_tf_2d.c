@@ -115,30 +115,23 @@ static iso_metrics compare(const iso_image *a, const iso_image *b)
 static void check_renderer(const iso_render_options *with, const iso_render_options *reference, double max_abs,
                            double rmse)
 {
-    iso_pyramid p = noise_pyramid();
-    iso_view view = make_view(&p);
+    OWNED(iso_pyramid) p = noise_pyramid();
+    OWNED(iso_view) view = make_view(&p);
     for (int second = ISO_SECOND_VALUE_DEVIATION; second <= ISO_SECOND_VALUE_GRADIENT; ++second) {
-        iso_tf_2d t = adapt(&p, (iso_second_value)second, &view);
-        iso_image have = render(&p, &view, &t, with), want = render(&p, &view, &t, reference);
+        OWNED(iso_tf_2d) t = adapt(&p, (iso_second_value)second, &view);
+        OWNED(iso_image) have = render(&p, &view, &t, with), want = render(&p, &view, &t, reference);
         iso_metrics m = compare(&have, &want);
         print_message("%s, second %d: rmse %.3g, max %.3g\n", with->renderer->name, second, m.rmse, m.max_abs);
         assert_at_most(m.max_abs, max_abs);
         assert_at_most(m.rmse, rmse);
         for (int f = 0; f < FAULT_COUNT; ++f) {
-            iso_tf_2d bad = with_fault(&t, &p, (fault)f);
-            iso_image wrong = render(&p, &view, &bad, reference);
+            OWNED(iso_tf_2d) bad = with_fault(&t, &p, (fault)f);
+            OWNED(iso_image) wrong = render(&p, &view, &bad, reference);
             iso_metrics e = compare(&have, &wrong);
             assert_true(e.max_abs > max_abs || e.rmse > rmse);
             assert_more_than(e.rmse, 2.5 * rmse); /* with a margin */
-            iso_image_destroy(&wrong);
-            iso_tf_2d_destroy(&bad);
         }
-        iso_image_destroy(&have);
-        iso_image_destroy(&want);
-        iso_tf_2d_destroy(&t);
     }
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(the_ray_caster_looks_up_the_same_tables)
@@ -193,8 +186,8 @@ TEST(lookups_are_bilinear_and_clamped)
 TEST(the_gradient_of_a_ramp_has_one_second_value)
 {
     iso_geometry g = iso_geometry_axis_aligned((const size_t[]){16, 6, 4}, (const double[]){2, 1, 5});
-    iso_volume v;
-    iso_pyramid p;
+    OWNED(iso_volume) v;
+    OWNED(iso_pyramid) p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
     assert_ok(iso_volume_create(&v, &g, ISO_U8, "ramp", &err));
@@ -208,16 +201,14 @@ TEST(the_gradient_of_a_ramp_has_one_second_value)
     assert_ok(iso_joint_second_coordinates(&p, 1, ISO_SECOND_VALUE_DEVIATION, 2, tf_2d, &err));
     for (int i = 0; i < 48; ++i)
         assert_within(tf_2d[i], 7 * sqrt(1.5 / 22.5), 1e-6); /* two values 3 apart */
-    iso_volume_destroy(&v);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(the_envelope_bounds_every_row)
 {
-    iso_pyramid p = noise_pyramid();
-    iso_view view = make_view(&p);
-    iso_tf_2d t = adapt(&p, ISO_SECOND_VALUE_DEVIATION, &view);
-    iso_tf_table envelope;
+    OWNED(iso_pyramid) p = noise_pyramid();
+    OWNED(iso_view) view = make_view(&p);
+    OWNED(iso_tf_2d) t = adapt(&p, ISO_SECOND_VALUE_DEVIATION, &view);
+    OWNED(iso_tf_table) envelope;
     assert_ok(iso_tf_2d_envelope(&t, &envelope, &err));
     for (size_t i = 0; i < 4 * envelope.count; ++i) {
         float largest = 0;
@@ -225,10 +216,6 @@ TEST(the_envelope_bounds_every_row)
             largest = fmaxf(largest, t.rows[c].entries[i]);
         assert_true(envelope.entries[i] == largest);
     }
-    iso_tf_table_destroy(&envelope);
-    iso_tf_2d_destroy(&t);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST_MAIN(NULL, end_renderers)

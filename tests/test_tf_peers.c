@@ -28,7 +28,7 @@ static double difference(const char *file, const char *name, const json_t *vtk_c
     const iso_tf_request request = {.name = name, .unit_mm = strstr(file, ".paraview") ? 1 : 0, .measure = true};
     double most = 0;
     iso_tf tf;
-    iso_tf_table t;
+    OWNED(iso_tf_table) t;
     assert_ok(iso_tf_load_as(file, &request, &tf, &err));
     assert_true(tf.loss.measured);
     assert_at_most(tf.loss.color, 1.0 / 255);
@@ -45,7 +45,6 @@ static double difference(const char *file, const char *name, const json_t *vtk_c
         for (size_t c = 0; c < 3 && opacity > 0; ++c)
             most = fmax(most, fabs(iso_linear_to_srgb((double)e[c]) - json_number_value(json_array_get(row, c))));
     }
-    iso_tf_table_destroy(&t);
     iso_tf_destroy(&tf);
     return most;
 }
@@ -109,9 +108,8 @@ static char *write_file(const char *name, const void *text, size_t size)
 static iso_tf load(const char *name, const char *text, iso_tf_request request)
 {
     iso_tf tf;
-    char *path = write_file(name, text, strlen(text));
+    FREED char *path = write_file(name, text, strlen(text));
     assert_ok(iso_tf_load_as(path, &request, &tf, &err));
-    free(path);
     return tf;
 }
 
@@ -119,11 +117,10 @@ static iso_tf load(const char *name, const char *text, iso_tf_request request)
 static void assert_shows(const iso_tf *tf, double value, const double rgba[4])
 {
     const iso_geometry g = unit_voxels();
-    iso_tf_table t;
+    OWNED(iso_tf_table) t;
     double found[4];
     assert_ok(iso_tf_tabulate(tf, 0, 1, &g, &t, &err));
     iso_tf_lookup(&t, value, found);
-    iso_tf_table_destroy(&t);
     for (int c = 0; c < 3; ++c)
         assert_within(iso_linear_to_srgb(found[c]), rgba[c], 0.5 / 255); /* half of what eight bits can show */
     assert_within(-expm1(-found[3] * tf->unit_distance), fmin(rgba[3], ISO_TF_MAX_OPACITY), 0.5 / 255);
@@ -244,11 +241,10 @@ TEST(lookup_tables_of_imagej)
         bytes[32 + i] = (unsigned char)i, bytes[288 + i] = (unsigned char)(255 - i), bytes[544 + i] = 51;
     for (int header = 0; header < 2; ++header) {
         iso_tf tf;
-        char *path = write_file("a.lut", bytes + (header ? 0 : 32), header ? 800 : 768);
+        FREED char *path = write_file("a.lut", bytes + (header ? 0 : 32), header ? 800 : 768);
         assert_ok(iso_tf_load_as(path, &request, &tf, &err));
         assert_shows(&tf, 51 / 255.0, (double[]){0.2, 0.8, 0.2, 0.5});
         iso_tf_destroy(&tf);
-        free(path);
     }
     char text[256 * 16] = "Index Red Green Blue\n";
     for (int i = 0; i < 256; ++i)
@@ -304,7 +300,7 @@ TEST(damaged_files_are_read_or_refused)
     int read = 0, refused = 0;
     for (size_t f = 0; f < sizeof files / sizeof *files; ++f)
         for (int trial = 0; trial < 40; ++trial) {
-            char *text = strdup(files[f].text);
+            FREED char *text = strdup(files[f].text);
             size_t size = strlen(text);
             for (int k = 0; k < 1 + trial % 3; ++k) {
                 random = random * 1664525 + 1013904223;
@@ -313,7 +309,7 @@ TEST(damaged_files_are_read_or_refused)
             }
             if (trial % 8 == 7)
                 size = (random >> 8) % size;
-            char *path = write_file(files[f].name, text, size);
+            FREED char *path = write_file(files[f].name, text, size);
             iso_tf tf;
             iso_tf_table t;
             iso_error e = {""};
@@ -327,8 +323,6 @@ TEST(damaged_files_are_read_or_refused)
                 assert_true(strstr(e.text, files[f].name) != NULL && strchr(e.text, '\n') == NULL);
                 ++refused;
             }
-            free(path);
-            free(text);
         }
     if (read < 10 || refused < 100)
         fail_msg("%d were read and %d refused: the damage is too strong or too weak", read, refused);

@@ -21,8 +21,8 @@ TEST(whole_numbers_fill_bins_evenly)
     uint16_t samples[1000];
     for (size_t i = 0; i < 1000; ++i)
         samples[i] = (uint16_t)i;
-    iso_volume v = volume_of(ISO_U16, 1000, samples, sizeof samples);
-    iso_value_histogram h;
+    OWNED(iso_volume) v = volume_of(ISO_U16, 1000, samples, sizeof samples);
+    OWNED(iso_value_histogram) h;
     assert_ok(iso_value_histogram_count(&v, 0, 999, 300, &h, &err));
     assert_within(h.width, 4, 0);
     assert_within(h.lo, -0.5, 0);
@@ -30,45 +30,39 @@ TEST(whole_numbers_fill_bins_evenly)
     for (size_t b = 0; b < h.count; ++b)
         assert_int_equal(h.bins[b], 4);
     assert_int_equal(h.most, 4);
-    iso_value_histogram_destroy(&h);
-    iso_volume_destroy(&v);
 }
 
 TEST(whole_numbers_in_floats_do_too)
 {
     const float samples[5] = {-3, -3, 0, 2, 2};
-    iso_volume v = volume_of(ISO_F32, 5, samples, sizeof samples);
-    iso_value_histogram h;
+    OWNED(iso_volume) v = volume_of(ISO_F32, 5, samples, sizeof samples);
+    OWNED(iso_value_histogram) h;
     assert_ok(iso_value_histogram_count(&v, -3, 2, 64, &h, &err));
     assert_int_equal(h.count, 6);
     assert_int_equal(h.bins[0], 2);
     assert_int_equal(h.bins[3], 1);
     assert_int_equal(h.bins[5], 2);
-    iso_value_histogram_destroy(&h);
-    iso_volume_destroy(&v);
 }
 
 /* Both ends are counted, what is beyond them is not. */
 TEST(other_numbers_are_binned_over_the_range)
 {
     const float samples[6] = {-0.1f, 0, 0.24f, 0.25f, 1, 1.1f};
-    iso_volume v = volume_of(ISO_F32, 6, samples, sizeof samples);
-    iso_value_histogram h;
+    OWNED(iso_volume) v = volume_of(ISO_F32, 6, samples, sizeof samples);
+    OWNED(iso_value_histogram) h;
     assert_ok(iso_value_histogram_count(&v, 0, 1, 4, &h, &err));
     assert_int_equal(h.count, 4);
     assert_int_equal(h.bins[0], 2);
     assert_int_equal(h.bins[1], 1);
     assert_int_equal(h.bins[2], 0);
     assert_int_equal(h.bins[3], 1);
-    iso_value_histogram_destroy(&h);
-    iso_volume_destroy(&v);
 }
 
 TEST(one_value_is_one_bin)
 {
     const float half[3] = {0.5f, 0.5f, 0.5f};
     const uint8_t whole[3] = {7, 7, 7};
-    iso_volume v = volume_of(ISO_F32, 3, half, sizeof half), w = volume_of(ISO_U8, 3, whole, sizeof whole);
+    OWNED(iso_volume) v = volume_of(ISO_F32, 3, half, sizeof half), w = volume_of(ISO_U8, 3, whole, sizeof whole);
     iso_value_histogram h;
     assert_ok(iso_value_histogram_count(&v, 0.5, 0.5, 64, &h, &err));
     assert_int_equal(h.count, 1);
@@ -79,8 +73,6 @@ TEST(one_value_is_one_bin)
     assert_int_equal(h.count, 1);
     assert_int_equal(h.bins[0], 3);
     iso_value_histogram_destroy(&h);
-    iso_volume_destroy(&v);
-    iso_volume_destroy(&w);
 }
 
 TEST_MAIN(NULL, NULL)

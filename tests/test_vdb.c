@@ -32,13 +32,12 @@ static iso_geometry skew_geometry(double shear)
 
 static void make_pyramid(const iso_geometry *g, iso_type type, size_t levels, iso_pyramid *p)
 {
-    iso_volume v = {0};
+    OWNED(iso_volume) v = {0};
     iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = *g, .seed = 3};
     assert_ok(iso_field_sample(&field, type, &v, &err));
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = levels;
     assert_ok(iso_pyramid_build(&v, "noise", &opt, p, NULL, &err));
-    iso_volume_destroy(&v);
 }
 
 typedef struct fixture {
@@ -74,7 +73,7 @@ static size_t count_differences(const iso_pyramid *p, size_t k, const char *path
 {
     const iso_level *level = &p->levels[k];
     size_t voxels = iso_geometry_voxel_count(&level->geometry), bad = 0;
-    float *read = malloc(3 * voxels * sizeof *read), *decoded = malloc(3 * voxels * sizeof *decoded);
+    FREED float *read = malloc(3 * voxels * sizeof *read), *decoded = malloc(3 * voxels * sizeof *decoded);
     assert_ok(iso_vdb_load_grid(path, density, 1, level->geometry.size, read, NULL, &err));
     double scale = fmax(fabs(level->min), fabs(level->max));
     for (size_t i = 0; i < voxels; ++i)
@@ -83,8 +82,6 @@ static size_t count_differences(const iso_pyramid *p, size_t k, const char *path
     iso_code_decode_all(p->options.code, level->codes, decoded, voxels);
     for (size_t i = 0; i < 3 * voxels; ++i)
         bad += !(fabs((double)read[i] - (double)decoded[i]) <= tolerance);
-    free(read);
-    free(decoded);
     return bad;
 }
 
@@ -120,10 +117,9 @@ TEST(geometry_survives)
     for (size_t k = 0; k < 3; ++k) {
         const iso_geometry *g = &f->pyramid.levels[k].geometry;
         iso_geometry back;
-        float *read = malloc(iso_geometry_voxel_count(g) * sizeof *read);
+        FREED float *read = malloc(iso_geometry_voxel_count(g) * sizeof *read);
         assert_ok(iso_vdb_save(&f->pyramid, k, 1, f->path, &opt, NULL, &err));
         assert_ok(iso_vdb_load_grid(f->path, "density", 1, g->size, read, &back, &err));
-        free(read);
         for (int r = 0; r < 3; ++r) {
             for (int c = 0; c < 3; ++c)
                 assert_within(back.index_to_world.m[r][c], g->index_to_world.m[r][c], 0);
@@ -142,7 +138,7 @@ TEST(a_left_handed_grid_is_stored_right_handed)
     fixture *f = *state;
     iso_vdb_options opt = iso_vdb_defaults();
     iso_geometry g = skew_geometry(0.3), back;
-    iso_pyramid p;
+    OWNED(iso_pyramid) p;
     for (int r = 0; r < 3; ++r)
         g.index_to_world.m[r][1] = -g.index_to_world.m[r][1];
     make_pyramid(&g, ISO_I16, 2, &p);
@@ -170,7 +166,6 @@ TEST(a_left_handed_grid_is_stored_right_handed)
     }
     free(density);
     free(gradient);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(half_floats_are_near_and_smaller)
@@ -201,7 +196,7 @@ TEST(a_rim_moves_no_voxel)
     assert_ok(iso_vdb_save(&f->pyramid, 1, 1, f->path, &opt, NULL, &err));
     const iso_level *l = &f->pyramid.levels[1];
     const size_t *n = l->geometry.size, wide[3] = {n[0] + 6, n[1] + 6, n[2] + 6};
-    float *read = malloc(wide[0] * wide[1] * wide[2] * sizeof *read);
+    FREED float *read = malloc(wide[0] * wide[1] * wide[2] * sizeof *read);
     iso_geometry back;
     assert_ok(iso_vdb_load_grid(f->path, "density", 1, wide, read, &back, &err));
     for (size_t z = 0; z < wide[2]; ++z)
@@ -220,7 +215,6 @@ TEST(a_rim_moves_no_voxel)
     const iso_vec3 here = iso_geometry_to_world(&l->geometry, iso_v3(0.5, 0.5, 0.5)),
                    there = iso_geometry_to_world(&back, iso_v3(3.5, 3.5, 3.5));
     assert_at_most(iso_norm(iso_sub(here, there)), 1e-12); /* roundings of about 100 mm */
-    free(read);
 }
 
 /* The comparison above must see a swapped axis and a shift by one voxel. */
@@ -232,7 +226,7 @@ TEST(a_swapped_axis_and_a_shift_are_seen)
     assert_ok(iso_vdb_save(&f->pyramid, 2, 1, f->path, &opt, NULL, &err));
     iso_level *level = &f->pyramid.levels[2];
     size_t voxels = iso_geometry_voxel_count(&level->geometry);
-    float *kept = malloc(voxels * sizeof *kept);
+    FREED float *kept = malloc(voxels * sizeof *kept);
     memcpy(kept, level->scalar, voxels * sizeof *kept);
     memmove(level->scalar + 1, level->scalar, (voxels - 1) * sizeof *kept);
     assert_true(count_differences(&f->pyramid, 2, f->path, "density", "gradient", 0) > voxels / 2);
@@ -243,7 +237,6 @@ TEST(a_swapped_axis_and_a_shift_are_seen)
                 level->scalar[(x * n[1] + y) * n[2] + z] = kept[(z * n[1] + y) * n[0] + x];
     assert_true(count_differences(&f->pyramid, 2, f->path, "density", "gradient", 0) > voxels / 2);
     memcpy(level->scalar, kept, voxels * sizeof *kept);
-    free(kept);
 }
 
 TEST(single_voxels_and_plates_are_kept)
@@ -251,13 +244,12 @@ TEST(single_voxels_and_plates_are_kept)
     fixture *f = *state;
     const size_t sizes[3][3] = {{1, 1, 1}, {1, 9, 17}, {8, 1, 8}};
     for (int i = 0; i < 3; ++i) {
-        iso_pyramid p = {0};
+        OWNED(iso_pyramid) p = {0};
         iso_geometry g = iso_geometry_axis_aligned(sizes[i], (double[]){1, 2, 3});
         make_pyramid(&g, ISO_F32, 1, &p);
         iso_vdb_options opt = iso_vdb_defaults();
         assert_ok(iso_vdb_save(&p, 0, 1, f->path, &opt, NULL, &err));
         assert_int_equal(count_differences(&p, 0, f->path, "density", "gradient", 0), 0);
-        iso_pyramid_destroy(&p);
     }
 }
 
@@ -267,11 +259,10 @@ TEST(bad_calls_are_refused)
     iso_vdb_options opt = iso_vdb_defaults();
     assert_status(iso_vdb_save(&f->pyramid, 0, 0, f->path, &opt, NULL, &err), ISO_E_RANGE);
     assert_status(iso_vdb_save(&f->pyramid, 2, 2, f->path, &opt, NULL, &err), ISO_E_RANGE);
-    char *nowhere = iso_path_join(f->dir, "missing/v.vdb");
+    FREED char *nowhere = iso_path_join(f->dir, "missing/v.vdb");
     assert_status(iso_vdb_save(&f->pyramid, 2, 1, nowhere, &opt, NULL, &err), ISO_E_IO);
     float out[3];
     assert_status(iso_vdb_load_grid(nowhere, "density", 1, (size_t[]){1, 1, 1}, out, NULL, &err), ISO_E_IO);
-    free(nowhere);
     assert_ok(iso_vdb_save(&f->pyramid, 2, 1, f->path, &opt, NULL, &err));
     assert_status(iso_vdb_load_grid(f->path, "density", 3, (size_t[]){1, 1, 1}, out, NULL, &err), ISO_E_FORMAT);
     assert_status(iso_vdb_load_grid(f->path, "density", 2, (size_t[]){1, 1, 1}, out, NULL, &err), ISO_E_RANGE);
@@ -282,7 +273,7 @@ TEST(bad_calls_are_refused)
 TEST(a_full_disk_leaves_no_file)
 {
     fixture *f = *state;
-    char *path = iso_path_join(f->dir, "full.vdb");
+    FREED char *path = iso_path_join(f->dir, "full.vdb");
     const struct rlimit little = {.rlim_cur = 1000, .rlim_max = RLIM_INFINITY}, all = {RLIM_INFINITY, RLIM_INFINITY};
     iso_vdb_options opt = iso_vdb_defaults();
     signal(SIGXFSZ, SIG_IGN); /* as the program does: writing fails */
@@ -299,7 +290,6 @@ TEST(a_full_disk_leaves_no_file)
         assert_null(strstr(e->d_name, ".isoshade-"));
     }
     closedir(entries);
-    free(path);
 }
 
 TEST_MAIN(setup, teardown)

@@ -23,7 +23,7 @@ typedef struct fixture {
 static iso_pyramid make_pyramid(iso_type type, bool left_handed)
 {
     iso_pyramid p;
-    iso_volume v = {0};
+    OWNED(iso_volume) v = {0};
     iso_field field = {.kind = ISO_FIELD_SHELLS,
                        .geometry = iso_geometry_axis_aligned((size_t[]){37, 29, 43}, (double[]){1, 0.8, 1.5})};
     if (left_handed)
@@ -32,7 +32,6 @@ static iso_pyramid make_pyramid(iso_type type, bool left_handed)
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 3;
     assert_ok(iso_pyramid_build(&v, "/home/someone/study/shells.nrrd", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -156,12 +155,11 @@ TEST_BETWEEN(every_cell_has_the_extinction_that_it_had, setup, teardown)
     const double bands[][2] = {{0.5, 1}, {0, 0.3}, {0.4, 0.6}, {0.9, 0.95}};
     for (size_t k = 0; k < 3; ++k)
         for (size_t i = 0; i < 4; ++i) {
-            iso_tf_table tf = {0};
+            OWNED(iso_tf_table) tf = {0};
             size_t active[2];
             band(&tf, &f->pyramid.levels[k], bands[i][0], bands[i][1]);
             compare(f, &f->pyramid, k, &(iso_vdb_shown){&tf, 1, false, 0}, active);
             assert_true(i == 1 || 4 * active[1] < active[0]); /* band 1 shows what is between the shells */
-            iso_tf_table_destroy(&tf);
         }
 }
 
@@ -180,15 +178,13 @@ TEST_BETWEEN(of_several_transfer_functions_any_shows, setup, teardown)
 TEST_BETWEEN(a_left_handed_grid_is_as_sparse, setup, teardown)
 {
     fixture *f = *state;
-    iso_pyramid p = make_pyramid(ISO_U8, true);
-    iso_tf_table tf = {0};
+    OWNED(iso_pyramid) p = make_pyramid(ISO_U8, true);
+    OWNED(iso_tf_table) tf = {0};
     size_t active[2], right[2];
     band(&tf, &p.levels[0], 0.5, 1);
     compare(f, &p, 0, &(iso_vdb_shown){&tf, 1, false, 0}, active);
     compare(f, &f->pyramid, 0, &(iso_vdb_shown){&tf, 1, false, 0}, right);
     assert_true(labs((long)active[1] - (long)right[1]) <= 2);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 /* A band between two ranges that are not shown: values above it must not become the background below it. */
@@ -196,7 +192,7 @@ TEST_BETWEEN(voxels_beyond_visible_cells_stay, setup, teardown)
 {
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
-    iso_tf_table tf = {0};
+    OWNED(iso_tf_table) tf = {0};
     iso_vdb_activity a;
     band(&tf, l, 0.4, 0.5);
     assert_ok(iso_vdb_activity_create(&a, l, NULL, &(iso_vdb_shown){&tf, 1, false, 0}, 1, 0, &err));
@@ -212,7 +208,6 @@ TEST_BETWEEN(voxels_beyond_visible_cells_stay, setup, teardown)
     assert_true(beyond > 0);
     assert_int_equal(left_out, 0);
     iso_vdb_activity_destroy(&a);
-    iso_tf_table_destroy(&tf);
 }
 
 /* Planted fault: a single voxel that is needed, and is not there, is found. */
@@ -221,7 +216,7 @@ TEST_BETWEEN(a_voxel_too_few_is_found, setup, teardown)
     fixture *f = *state;
     const iso_geometry *g = &f->pyramid.levels[0].geometry;
     iso_vdb_options opt = iso_vdb_defaults();
-    iso_tf_table tf = {0};
+    OWNED(iso_tf_table) tf = {0};
     size_t seen;
     band(&tf, &f->pyramid.levels[0], 0.5, 1);
     opt.pad_voxels = 1;
@@ -234,7 +229,6 @@ TEST_BETWEEN(a_voxel_too_few_is_found, setup, teardown)
     assert_true(cells_that_differ(&whole, &hole, &tf, 1, &seen) > 0);
     free(whole.values);
     free(hole.values);
-    iso_tf_table_destroy(&tf);
 }
 
 /* Directions where cells are seen, and nowhere else; there they are what they were. */
@@ -243,7 +237,7 @@ TEST_BETWEEN(directions_are_kept_where_something_is_seen, setup, teardown)
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
     iso_vdb_options opt = iso_vdb_defaults();
-    iso_tf_table tf = {0};
+    OWNED(iso_tf_table) tf = {0};
     iso_vdb_activity a;
     band(&tf, l, 0.4, 0.5);
     const iso_vdb_shown shown = {&tf, 1, false, 0};
@@ -268,7 +262,6 @@ TEST_BETWEEN(directions_are_kept_where_something_is_seen, setup, teardown)
     free(whole.values);
     free(sparse.values);
     iso_vdb_activity_destroy(&a);
-    iso_tf_table_destroy(&tf);
 }
 
 /* No transfer function: what equals the background all round goes, and no value changes. */
@@ -302,11 +295,10 @@ TEST_BETWEEN(a_background_that_shows_is_refused, setup, teardown)
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
     iso_vdb_options opt = iso_vdb_defaults();
-    iso_tf_table tf = {0};
+    OWNED(iso_tf_table) tf = {0};
     band(&tf, l, 0.5, 1);
     opt.shown = &(iso_vdb_shown){&tf, 1, true, l->max};
     assert_status(iso_vdb_save(&f->pyramid, 0, 1, f->path, &opt, NULL, &err), ISO_E_RANGE);
-    iso_tf_table_destroy(&tf);
 }
 
 /* c / 127 as c / 128 in half floats: not one bit of what the code held is lost. */
@@ -317,7 +309,7 @@ TEST_BETWEEN(half_directions_hold_what_the_code_held, setup, teardown)
     const size_t voxels = iso_geometry_voxel_count(&l->geometry);
     iso_vdb_options opt = iso_vdb_defaults();
     iso_vdb_stats full, half;
-    float *read = malloc(3 * voxels * sizeof *read);
+    FREED float *read = malloc(3 * voxels * sizeof *read);
     assert_ok(iso_vdb_save(&f->pyramid, 1, 1, f->path, &opt, NULL, &err));
     assert_ok(iso_vdb_measure(f->path, &full, &err));
     opt.half_directions = true;
@@ -330,7 +322,6 @@ TEST_BETWEEN(half_directions_hold_what_the_code_held, setup, teardown)
         bad += read[i] != (float)(int8_t)l->codes[i] / 128;
     assert_int_equal(bad, 0);
     assert_true(half.file_bytes < full.file_bytes);
-    free(read);
 }
 
 /* Any number of threads marks the same. */
@@ -338,7 +329,7 @@ TEST_BETWEEN(threads_do_not_matter, setup, teardown)
 {
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
-    iso_tf_table tf = {0};
+    OWNED(iso_tf_table) tf = {0};
     iso_vdb_activity a, b;
     band(&tf, l, 0.4, 0.5);
     assert_ok(iso_vdb_activity_create(&a, l, NULL, &(iso_vdb_shown){&tf, 1, false, 0}, 1, 1, &err));
@@ -348,7 +339,6 @@ TEST_BETWEEN(threads_do_not_matter, setup, teardown)
     assert_int_equal(a.kept_count, b.kept_count);
     iso_vdb_activity_destroy(&a);
     iso_vdb_activity_destroy(&b);
-    iso_tf_table_destroy(&tf);
 }
 
 /* What a file holds behind the header, in which OpenVDB notes a random number. */
@@ -375,24 +365,21 @@ static void save_by(fixture *f, int threads, bool half_directions, char **bytes,
 TEST_BETWEEN(threads_write_the_same_bytes, setup, teardown)
 {
     for (int half = 0; half < 2; ++half) {
-        char *by_one, *by_three;
+        FREED char *by_one, *by_three;
         size_t size, size_by_three;
         save_by(*state, 1, half, &by_one, &size);
         save_by(*state, 3, half, &by_three, &size_by_three);
         assert_int_equal(size, size_by_three);
         assert_memory_equal(by_one, by_three, size);
-        free(by_one);
-        free(by_three);
     }
 }
 
 static bool holds(const char *path, const char *text)
 {
-    char *bytes = NULL;
+    FREED char *bytes = NULL;
     size_t size = 0;
     assert_ok(iso_file_read(path, &bytes, &size, &err));
     const bool found = memmem(bytes, size, text, strlen(text)) != NULL;
-    free(bytes);
     return found;
 }
 

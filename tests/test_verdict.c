@@ -19,10 +19,9 @@ static char *inside(const char *name)
 static iso_report *open_report(const char *name)
 {
     const iso_report_about about = {.title = "t"};
-    char *dir = inside(name);
+    FREED char *dir = inside(name);
     iso_report *r;
     assert_ok(iso_report_create(&r, dir, &about, &err));
-    free(dir);
     return r;
 }
 
@@ -166,7 +165,7 @@ TEST(both_color_and_alpha_have_to_show)
 TEST(an_empty_image_is_its_background_in_every_bit)
 {
     const double color[3] = {0.2, 0.3, 0.1};
-    iso_image image = shown(0, 0, 0, color);
+    OWNED(iso_image) image = shown(0, 0, 0, color);
     assert_true(iso_image_is_empty(&image, color));
     for (size_t c = 0; c < 3; ++c) {
         image.rgba[40 + c] = nextafterf(image.rgba[40 + c], 1);
@@ -175,7 +174,6 @@ TEST(an_empty_image_is_its_background_in_every_bit)
     }
     image.rgba[43] = 1e-30F;
     assert_false(iso_image_is_empty(&image, color));
-    iso_image_destroy(&image);
 }
 
 /* Noise explains part of a limit's bar, which is then no part of what holds the whole image. */
@@ -221,21 +219,19 @@ TEST(a_faint_case_is_not_compared_unless_it_differs)
 TEST(two_empty_images_with_other_backgrounds_differ)
 {
     const double black[3] = {0, 0, 0}, gray[3] = {0.2, 0.2, 0.2};
-    iso_image a = shown(0, 0, 0, black), b = shown(0, 0, 0, gray);
+    OWNED(iso_image) a = shown(0, 0, 0, black), b = shown(0, 0, 0, gray);
     iso_report_agreement row = {.error_bar = NAN, .tolerances = {.rmse = 1e-3}, .uncompared = ISO_UNCOMPARED_FAINT};
     assert_ok(iso_metrics_measure(&a, &b, &row.metrics, &err));
     assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
     assert_ok(iso_metrics_measure(&a, &a, &row.metrics, &err));
     assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_NOT_COMPARED);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
 }
 
 TEST(without_limits_the_report_says_that_only_equal_images_agree)
 {
     const double black[3] = {0, 0, 0};
     iso_report *r = open_report("equal");
-    iso_image a = shown(3, 0.5F, 1, black);
+    OWNED(iso_image) a = shown(3, 0.5F, 1, black);
     assert_ok(iso_report_add_image(r, "a", &a, NULL, NULL, &err));
     iso_report_agreement row = {
         .scene = "s", .a = "a", .renderer = "gl", .error_bar = NAN, .image_a = "a", .image_b = "a"};
@@ -247,7 +243,6 @@ TEST(without_limits_the_report_says_that_only_equal_images_agree)
     assert_within(json_number_value(json_object_get(signal, "color")), 0.5, 0);
     assert_within(json_number_value(json_object_get(signal, "least")), 0.125, 0);
     assert_string_equal(iso_row_text(signal, "measure"), "rms");
-    iso_image_destroy(&a);
     iso_report_destroy(r);
 }
 
@@ -276,14 +271,12 @@ static void add_told(iso_report *r, const told *t)
 
 static size_t failures_of(const iso_report *r)
 {
-    char *path = inside("junit.xml"), *xml;
+    FREED char *path = inside("junit.xml"), *xml;
     size_t size, count = 0;
     assert_ok(iso_report_write_junit(r, path, &err));
     assert_ok(iso_file_read(path, &xml, &size, &err));
     for (const char *at = xml; (at = strstr(at, "<failure ")); ++at)
         ++count;
-    free(xml);
-    free(path);
     return count;
 }
 

@@ -184,7 +184,7 @@ TEST(an_isosurface_outside_the_values_is_named)
 TEST(pictures_are_judged_by_alpha_and_color)
 {
     const double background[3] = {0.2, 0.2, 0.2};
-    iso_image image;
+    OWNED(iso_image) image;
     char text[1024];
     iso_visible v = {.voxels = 1, .box = 1, .value_max = 1, .size = {100, 20}};
     assert_ok(iso_image_create(&image, 100, 20, &err));
@@ -210,7 +210,6 @@ TEST(pictures_are_judged_by_alpha_and_color)
         assert_false(iso_visible_complaint(&v, "the.nrrd", text, sizeof text));
         image.rgba[4 + c] = 0.2f;
     }
-    iso_image_destroy(&image);
 }
 
 TEST_MAIN(NULL, NULL)

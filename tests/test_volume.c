@@ -67,7 +67,7 @@ TEST(every_type_comes_back_from_raw_and_gzip_files)
     iso_geometry g = turned_geometry(5, 4, 3);
     for (int type = ISO_U8; type <= ISO_F64; ++type)
         for (int gzip = 0; gzip < 2; ++gzip) {
-            iso_volume v, back;
+            OWNED(iso_volume) v, back;
             assert_ok(iso_volume_create(&v, &g, (iso_type)type, "v", &err));
             fill(&v);
             v.notes = (iso_volume_notes){.world_is_ras = gzip, .scale_slope = 2.5, .scale_intercept = -1000};
@@ -79,15 +79,13 @@ TEST(every_type_comes_back_from_raw_and_gzip_files)
             assert_int_equal(back.notes.world_is_ras, gzip);
             assert_within(back.notes.scale_slope, 2.5, 0);
             assert_within(back.notes.scale_intercept, -1000, 0);
-            iso_volume_destroy(&v);
-            iso_volume_destroy(&back);
         }
 }
 
 TEST(planes_one_by_one_equal_the_whole)
 {
     iso_geometry g = turned_geometry(6, 5, 7);
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_U16, "v", &err));
     fill(&v);
     for (int gzip = 0; gzip < 2; ++gzip) {
@@ -107,7 +105,6 @@ TEST(planes_one_by_one_equal_the_whole)
         assert_status(iso_source_read(source, 1, planes, &err), ISO_E_RANGE);
         iso_source_close(source);
     }
-    iso_volume_destroy(&v);
 }
 
 /* ---- a format from this file alone ---- */
@@ -314,11 +311,10 @@ TEST(numbers_of_a_text_end_at_a_tag_and_are_of_their_type)
 
 static iso_geometry geometry_of(const char *header)
 {
-    iso_volume v;
+    OWNED(iso_volume) v;
     write_nrrd("geo.nrrd", header, "12345678", 8);
     assert_ok(iso_volume_load(in_dir("geo.nrrd"), &v, &err));
     iso_geometry g = v.geometry;
-    iso_volume_destroy(&v);
     return g;
 }
 
@@ -464,21 +460,20 @@ TEST(bad_nrrd_files_are_refused_with_the_reason)
 TEST(non_finite_voxels_are_counted_and_the_first_is_named)
 {
     iso_geometry g = turned_geometry(5, 4, 3);
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "v", &err));
     ((float *)v.data)[0] = NAN; /* no data */
     ((float *)v.data)[(1 * 4 + 2) * 5 + 3] = INFINITY;
     ((float *)v.data)[(2 * 4 + 0) * 5 + 1] = -INFINITY;
     assert_ok(iso_volume_save(&v, in_dir("nan.nrrd"), false, &err));
     assert_refused("nan.nrrd", ISO_E_RANGE, "2 of 60 voxels are NaN or infinite, none may be; the first is (3, 2, 1)");
-    iso_volume_destroy(&v);
 }
 
 TEST(damage_inside_compressed_samples_is_found)
 {
     iso_geometry g = turned_geometry(16, 16, 16);
-    iso_volume v;
-    char *bytes;
+    OWNED(iso_volume) v;
+    FREED char *bytes;
     size_t size;
     assert_ok(iso_volume_create(&v, &g, ISO_U16, "v", &err));
     fill(&v);
@@ -492,14 +487,12 @@ TEST(damage_inside_compressed_samples_is_found)
     assert_refused("cut.nrrd", ISO_E_FORMAT, "cut.nrrd: ");
     write_bytes("tail.nrrd", bytes, size - 4); /* all samples are there, only the checksum's end is not */
     assert_refused("tail.nrrd", ISO_E_FORMAT, "the end is missing");
-    free(bytes);
-    iso_volume_destroy(&v);
 }
 
 TEST(statistics_are_those_of_the_samples)
 {
     iso_geometry g = turned_geometry(3, 2, 2);
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_I16, "v", &err));
     for (int i = 0; i < 12; ++i)
         ((int16_t *)v.data)[i] = (int16_t)(i - 4);
@@ -512,7 +505,6 @@ TEST(statistics_are_those_of_the_samples)
     iso_volume_floats(&v, all);
     for (int i = 0; i < 12; ++i)
         assert_within(all[i], i - 4, 0);
-    iso_volume_destroy(&v);
 }
 
 /* Bytes of a good file are changed or cut off at random: reading must end with
@@ -520,7 +512,7 @@ TEST(statistics_are_those_of_the_samples)
 static void fuzz_file(const char *name, const char *bytes, size_t size, size_t header_bytes, iso_random *random,
                       int rounds)
 {
-    char *copy = malloc(size);
+    FREED char *copy = malloc(size);
     for (int round = 0; round < rounds; ++round) {
         memcpy(copy, bytes, size);
         size_t kept = iso_random_next(random) % 4 == 0 ? iso_random_next(random) % size : size;
@@ -531,7 +523,7 @@ static void fuzz_file(const char *name, const char *bytes, size_t size, size_t h
                                                    : "0123456789 -:,()\n"[iso_random_next(random) % 17];
         }
         write_bytes(name, copy, kept);
-        iso_volume v;
+        OWNED(iso_volume) v;
         iso_error err = {""};
         iso_status status = iso_volume_load(in_dir(name), &v, &err);
         assert_true(status == ISO_OK ? v.data != NULL : v.data == NULL && err.text[0] && !strchr(err.text, '\n'));
@@ -539,9 +531,7 @@ static void fuzz_file(const char *name, const char *bytes, size_t size, size_t h
             iso_volume_stats s = iso_volume_measure(&v);
             assert_true(isfinite(s.mean) && s.nonfinite_count == 0);
         }
-        iso_volume_destroy(&v);
     }
-    free(copy);
 }
 
 TEST(damaged_files_never_crash_the_readers)
@@ -552,7 +542,7 @@ TEST(damaged_files_never_crash_the_readers)
     print_message("fuzz: seed %llu (set ISOSHADE_FUZZ_SEED for another)\n", (unsigned long long)seed);
     const int rounds = 600;
     iso_geometry g = turned_geometry(4, 3, 2);
-    iso_volume v;
+    OWNED(iso_volume) v;
     char *bytes;
     size_t size;
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "v", &err));
@@ -563,7 +553,6 @@ TEST(damaged_files_never_crash_the_readers)
         fuzz_file("fuzz.nrrd", bytes, size, size, &random, rounds);
         free(bytes);
     }
-    iso_volume_destroy(&v);
     nifti_1_header h = nifti_header(2, 3, 2);
     h.qform_code = 1;
     for (int i = 0; i < 4; ++i) {

@@ -91,8 +91,8 @@ TEST(corrected_transitions_are_continuous_in_every_configuration_the_written_one
 {
     random_state = (iso_random){1};
     static const size_t size[3] = {2 * BRICK, 2 * BRICK, 2 * BRICK};
-    float *fine = noise(size[0] * size[1] * size[2]);
-    iso_warp_field f;
+    FREED float *fine = noise(size[0] * size[1] * size[2]);
+    OWNED(iso_warp_field) f;
     assert_ok(iso_warp_field_create(&f, fine, 1, size, BRICK, &err));
     int broken = 0, alone = 0;
     for (int k = 0; k < 256; ++k) {
@@ -119,19 +119,17 @@ TEST(corrected_transitions_are_continuous_in_every_configuration_the_written_one
     printf("as written: %d of 256 configurations jump; fine and coarse meet by an edge or corner alone in %d\n", broken,
            alone);
     assert_true(broken >= alone && broken < 254);
-    iso_warp_field_destroy(&f);
-    free(fine);
 }
 
 TEST(written_transitions_are_continuous_round_a_box_of_fine_bricks)
 {
     random_state = (iso_random){2};
     static const size_t size[3] = {4 * BRICK, 4 * BRICK, 3 * BRICK};
-    float *fine = noise(size[0] * size[1] * size[2]);
+    FREED float *fine = noise(size[0] * size[1] * size[2]);
     uint8_t levels[48];
     memset(levels, 1, sizeof levels);
     levels[1 + 4 * (1 + 4 * 1)] = levels[2 + 4 * (1 + 4 * 1)] = 0;
-    iso_warp_field f;
+    OWNED(iso_warp_field) f;
     assert_ok(iso_warp_field_create(&f, fine, 1, size, BRICK, &err));
     f.levels = levels;
     f.mode = ISO_WARP_WRITTEN;
@@ -139,16 +137,14 @@ TEST(written_transitions_are_continuous_round_a_box_of_fine_bricks)
     assert_at_most(worst_jump(&f, 4000), 1e-10);
     f.mode = ISO_WARP_CORRECTED;
     assert_at_most(worst_jump(&f, 4000), CONTINUOUS);
-    iso_warp_field_destroy(&f);
-    free(fine);
 }
 
 TEST(corrected_transitions_are_continuous_in_random_layouts)
 {
     random_state = (iso_random){3};
     static const size_t size[3] = {4 * BRICK, 3 * BRICK, 3 * BRICK};
-    float *fine = noise(size[0] * size[1] * size[2]);
-    iso_warp_field f;
+    FREED float *fine = noise(size[0] * size[1] * size[2]);
+    OWNED(iso_warp_field) f;
     assert_ok(iso_warp_field_create(&f, fine, 1, size, BRICK, &err));
     int rejected = 0;
     for (int layout = 0; layout < 300; ++layout) {
@@ -164,8 +160,6 @@ TEST(corrected_transitions_are_continuous_in_random_layouts)
         rejected += worst_jump(&f, 200) > 1e-3;
     }
     assert_true(rejected > 290);
-    iso_warp_field_destroy(&f);
-    free(fine);
 }
 
 TEST(parts_of_bricks_are_refused)

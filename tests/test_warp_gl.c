@@ -178,20 +178,18 @@ TEST(images_agree_with_the_reference_in_every_mode)
     iso_field kind = {.kind = ISO_FIELD_MARSCHNER_LOBB, .seed = 3};
     kind.geometry = iso_geometry_axis_aligned((size_t[]){40, 44, 33}, (double[]){1, 0.9, 1.3});
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_volume v;
-    iso_pyramid p;
-    iso_scene scene;
-    iso_view view;
-    iso_warp_field f;
+    OWNED(iso_volume) v;
+    OWNED(iso_pyramid) p;
+    OWNED(iso_scene) scene;
+    OWNED(iso_view) view;
+    OWNED(iso_warp_field) f;
     assert_ok(iso_field_sample(&kind, ISO_F32, &v, &err));
     build.level_count = 1;
     assert_ok(iso_pyramid_build(&v, "field", &build, &p, NULL, &err));
-    iso_volume_destroy(&v);
     const iso_level *level = &p.levels[0];
     assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &scene, &err));
     scene.width = 64, scene.height = 56;
     assert_ok(iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, &err));
-    iso_scene_destroy(&scene);
     assert_ok(iso_warp_field_of_level(&f, level, p.options.code, BRICK, &err));
     uint8_t levels[5 * 6 * 5];
     assert_int_equal(iso_warp_bricks(&f, 0) * iso_warp_bricks(&f, 1) * iso_warp_bricks(&f, 2), sizeof levels);
@@ -223,9 +221,6 @@ TEST(images_agree_with_the_reference_in_every_mode)
         iso_image_destroy(&b);
     }
     iso_image_destroy(&written);
-    iso_warp_field_destroy(&f);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST_MAIN(open_gl, close_gl)

@@ -57,7 +57,7 @@ static void destroy(dense *s)
 /* residual = W^-1 A^T w (d - A x) of one component. */
 static void residual_of(const dense *s, size_t c, const double *x, double *residual)
 {
-    double *weight = calloc(s->m, sizeof *weight);
+    FREED double *weight = calloc(s->m, sizeof *weight);
     memset(residual, 0, s->m * sizeof *residual);
     for (size_t i = 0; i < s->n; ++i) {
         double e = s->d[3 * i + c];
@@ -70,7 +70,6 @@ static void residual_of(const dense *s, size_t c, const double *x, double *resid
     }
     for (size_t v = 0; v < s->m; ++v)
         residual[v] /= weight[v];
-    free(weight);
 }
 
 /* The same rounds; x: m. */
@@ -154,7 +153,7 @@ TEST(levels_are_the_rounds_of_the_dense_system)
     iso_volume v = noise(9, 10, 27); /* at level 1 two blocks of planes, at level 2 one, overhanging */
     iso_pyramid_options opt = keeping(ISO_DIRECTION_LEAST_SQUARES);
     opt.level_count = 3;
-    iso_pyramid p = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     for (size_t k = 1; k < 3; ++k) {
         dense s = dense_of(&p, k);
         /* floats: sums of some hundred terms, amplified by the rounds */
@@ -162,7 +161,6 @@ TEST(levels_are_the_rounds_of_the_dense_system)
         assert_more_than(largest_difference(&s, p.levels[k].directions, ROUNDS - 1), 1e-3); /* the fault: one too few */
         destroy(&s);
     }
-    iso_pyramid_destroy(&p);
     iso_volume_destroy(&v);
 }
 
@@ -171,13 +169,13 @@ VALUES_TEST(the_misfit_is_below_that_of_moments)
 {
     const double parts[] = {0, 0.2, 1};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
-        iso_volume v = waves(12, 11, 10, parts[i]);
+        OWNED(iso_volume) v = waves(12, 11, 10, parts[i]);
         const iso_pyramid_options moments = keeping(ISO_DIRECTION_MOMENTS), opt = keeping(ISO_DIRECTION_LEAST_SQUARES);
-        iso_pyramid p = build(&v, &moments), q = build(&v, &opt);
+        OWNED(iso_pyramid) p = build(&v, &moments), q = build(&v, &opt);
         for (size_t k = 1; k < 3; ++k) {
             dense s = dense_of(&q, k);
-            float *solved = malloc(3 * s.m * sizeof *solved);
-            double *x = malloc(s.m * sizeof *x);
+            FREED float *solved = malloc(3 * s.m * sizeof *solved);
+            FREED double *x = malloc(s.m * sizeof *x);
             for (size_t c = 0; c < 3; ++c) {
                 iterate(&s, c, 400, x);
                 for (size_t j = 0; j < s.m; ++j)
@@ -188,21 +186,16 @@ VALUES_TEST(the_misfit_is_below_that_of_moments)
             assert_at_most(mine, theirs);
             assert_at_most(lowest, mine * (1 + 1e-6));
             assert_at_most(mine - lowest, 0.75 * (theirs - lowest));
-            free(solved);
-            free(x);
             destroy(&s);
         }
-        iso_pyramid_destroy(&p);
-        iso_pyramid_destroy(&q);
-        iso_volume_destroy(&v);
     }
 }
 
 TEST(directions_are_no_longer_than_1_and_magnitudes_those_of_moments)
 {
-    iso_volume v = noise(17, 13, 21);
+    OWNED(iso_volume) v = noise(17, 13, 21);
     const iso_pyramid_options moments = keeping(ISO_DIRECTION_MOMENTS), opt = keeping(ISO_DIRECTION_LEAST_SQUARES);
-    iso_pyramid p = build(&v, &moments), q = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &moments), q = build(&v, &opt);
     size_t at_limit = 0;
     for (size_t k = 1; k < q.level_count; ++k)
         for (size_t i = 0; i < iso_geometry_voxel_count(&q.levels[k].geometry); ++i) {
@@ -214,21 +207,18 @@ TEST(directions_are_no_longer_than_1_and_magnitudes_those_of_moments)
             assert_true(p.levels[k].magnitude[i] == q.levels[k].magnitude[i]);
         }
     assert_true(at_limit > 0); /* the limit is needed */
-    iso_pyramid_destroy(&p);
-    iso_pyramid_destroy(&q);
-    iso_volume_destroy(&v);
 }
 
 /* Half of the volume is flat: no directions there, and none that leak far in. */
 TEST(a_flat_part_has_none)
 {
-    iso_volume v = noise(40, 8, 8);
+    OWNED(iso_volume) v = noise(40, 8, 8);
     for (size_t i = 0; i < 40 * 8 * 8; ++i)
         if (i % 40 >= 16)
             ((float *)v.data)[i] = 0.5f;
     iso_pyramid_options opt = keeping(ISO_DIRECTION_LEAST_SQUARES);
     opt.level_count = 2;
-    iso_pyramid p = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     size_t empty = 0;
     for (size_t i = 0; i < 20 * 4 * 4; ++i) { /* gradients end at fine voxel 16, in coarse voxel 8; a tent reaches 9 */
         const float *d = p.levels[1].directions + 3 * i;
@@ -237,25 +227,20 @@ TEST(a_flat_part_has_none)
         assert_true(is_zero == (i % 20 > 8));
     }
     assert_int_equal(empty, 11 * 16);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 /* Voxels of 32 and more have moments, as doc/method/least-squares-levels.md says. */
 TEST(levels_above_the_fourth_have_moments)
 {
-    iso_volume v = noise(70, 5, 3);
+    OWNED(iso_volume) v = noise(70, 5, 3);
     iso_pyramid_options moments = keeping(ISO_DIRECTION_MOMENTS), opt = keeping(ISO_DIRECTION_LEAST_SQUARES);
     moments.level_count = opt.level_count = 7;
-    iso_pyramid p = build(&v, &moments), q = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &moments), q = build(&v, &opt);
     assert_true(q.level_count > 5);
     for (size_t k = 0; k < q.level_count; ++k) {
         const size_t bytes = 3 * iso_geometry_voxel_count(&q.levels[k].geometry) * sizeof(float);
         assert_true((memcmp(p.levels[k].directions, q.levels[k].directions, bytes) == 0) == (k == 0 || k > 4));
     }
-    iso_pyramid_destroy(&p);
-    iso_pyramid_destroy(&q);
-    iso_volume_destroy(&v);
 }
 
 TEST_MAIN(NULL, NULL)

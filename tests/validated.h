@@ -80,10 +80,9 @@ static inline void open_volume(subject *s, const iso_volume *volume, iso_scene s
 
 static inline void open_field(subject *s, const iso_field *field, iso_scene scene, const char *name, subject_size size)
 {
-    iso_volume volume;
+    OWNED(iso_volume) volume;
     assert_ok(iso_field_sample(field, ISO_F32, &volume, &err));
     open_volume(s, &volume, scene, name, size);
-    iso_volume_destroy(&volume);
 }
 
 static inline void measure_levels(subject *s)

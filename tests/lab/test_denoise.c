@@ -14,10 +14,9 @@ static const size_t size[3] = {n, n, n};
 static void sample(iso_field_kind kind, double noise, float *values)
 {
     iso_field field;
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_shading_sample(kind, n, noise, &field, &v, &err));
     memcpy(values, v.data, n * n * n * sizeof *values);
-    iso_volume_destroy(&v);
 }
 
 static double rms_between(const float *a, const float *b)
@@ -31,7 +30,7 @@ static double rms_between(const float *a, const float *b)
 /* 30^3 figures, not independent: 3 %. A ramp has no second differences, so that all of it is noise. */
 TEST(the_deviation_of_noise_is_found)
 {
-    float *values = malloc(n * n * n * sizeof *values);
+    FREED float *values = malloc(n * n * n * sizeof *values);
     double deviation;
     for (double noise = 0.01; noise < 0.2; noise *= 3) {
         sample(ISO_FIELD_RAMP, noise, values);
@@ -44,35 +43,29 @@ TEST(the_deviation_of_noise_is_found)
     sample(ISO_FIELD_CONSTANT, 0, values);
     assert_ok(iso_noise_estimate(values, size, &deviation, &err));
     assert_true(deviation == 0);
-    free(values);
 }
 
 /* 125 values have a mean whose noise is an eleventh; edges and patches leave more. */
 TEST(denoising_is_nearer_to_the_truth)
 {
-    float *truth = malloc(n * n * n * sizeof *truth), *noisy = malloc(n * n * n * sizeof *noisy),
-          *out = malloc(n * n * n * sizeof *out);
+    FREED float *truth = malloc(n * n * n * sizeof *truth), *noisy = malloc(n * n * n * sizeof *noisy),
+                *out = malloc(n * n * n * sizeof *out);
     sample(ISO_FIELD_SPHERE, 0, truth);
     sample(ISO_FIELD_SPHERE, 0.05, noisy);
     assert_ok(iso_denoise(noisy, size, 0.05, out, &err));
     assert_at_most(rms_between(out, truth), 0.5 * rms_between(noisy, truth));
     assert_ok(iso_denoise(noisy, size, 0, out, &err));
     assert_true(memcmp(out, noisy, n * n * n * sizeof *out) == 0);
-    free(truth);
-    free(noisy);
-    free(out);
 }
 
 /* A step of fifty deviations stays where it is: voxels beyond it have no weight. */
 TEST(an_edge_is_kept)
 {
-    float *values = malloc(n * n * n * sizeof *values), *out = malloc(n * n * n * sizeof *out);
+    FREED float *values = malloc(n * n * n * sizeof *values), *out = malloc(n * n * n * sizeof *out);
     for (size_t i = 0; i < n * n * n; ++i)
         values[i] = i % n < n / 2 ? 0 : 1;
     assert_ok(iso_denoise(values, size, 0.02, out, &err));
     assert_at_most(rms_between(out, values), 1e-6);
-    free(values);
-    free(out);
 }
 
 static double mean_angle(const iso_field *field, const iso_volume *v, iso_gradient_method method)
@@ -105,14 +98,13 @@ static double mean_angle(const iso_field *field, const iso_volume *v, iso_gradie
 TEST(smooth_gradients_hold_noise_down)
 {
     iso_field field;
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_shading_sample(ISO_FIELD_SPHERE, n, 0.01, &field, &v, &err));
     const double central = mean_angle(&field, &v, ISO_GRADIENT_CENTRAL),
                  sobel = mean_angle(&field, &v, ISO_GRADIENT_SOBEL),
                  smooth = mean_angle(&field, &v, ISO_GRADIENT_SMOOTH);
     assert_at_most(smooth, 0.25 * central);
     assert_at_most(smooth, 0.6 * sobel);
-    iso_volume_destroy(&v);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -155,7 +155,7 @@ TEST(the_best_is_counted_over_all_levels_of_a_pair)
 
 TEST(errors_are_over_what_either_image_shows)
 {
-    iso_image a = plain_image(32, 32, 0), b = plain_image(32, 32, 0);
+    OWNED(iso_image) a = plain_image(32, 32, 0), b = plain_image(32, 32, 0);
     for (size_t i = 0; i < 32 * 16; ++i)
         for (size_t c = 0; c < 4; ++c) {
             a.rgba[4 * i + c] = c < 3 ? 0.25F : 1;
@@ -168,12 +168,9 @@ TEST(errors_are_over_what_either_image_shows)
     assert_ok(iso_level_error_measure(&a, &a, &e, &err));
     assert_true(e.rmse == 0 && e.flip == 0 && e.dssim == 0);
     /* what only the second shows counts as well */
-    iso_image empty = plain_image(32, 32, 0);
+    OWNED(iso_image) empty = plain_image(32, 32, 0);
     assert_ok(iso_level_error_measure(&empty, &b, &e, &err));
     assert_true(fabs(e.rmse - 0.375) < 1e-12);
-    iso_image_destroy(&a);
-    iso_image_destroy(&b);
-    iso_image_destroy(&empty);
 }
 
 /* 5 x 3 pixels in boxes of 2: 3 x 2, the last ones cut. */
@@ -211,7 +208,7 @@ TEST(methods_are_chosen_by_whole_names)
 TEST(a_crop_keeps_the_middle_where_it_is)
 {
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){7, 8, 3}, (double[]){1, 2, 0.5});
-    iso_volume v;
+    OWNED(iso_volume) v;
     assert_ok(iso_volume_create(&v, &g, ISO_U16, "crop", &err));
     for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i)
         ((uint16_t *)v.data)[i] = (uint16_t)i;
@@ -225,7 +222,6 @@ TEST(a_crop_keeps_the_middle_where_it_is)
     }
     const iso_vec3 was = iso_geometry_to_world(&g, iso_v3(1, 2, 0)), is = iso_geometry_to_world(&v.geometry, iso_v3(0, 0, 0));
     assert_true(was.x == is.x && was.y == is.y && was.z == is.z);
-    iso_volume_destroy(&v);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -33,45 +33,41 @@ static iso_palette rival(const iso_direction_set *set, iso_palette_rival method,
 
 static double fitted_norm1(const iso_direction_set *set, iso_palette_rival method, size_t directions)
 {
-    iso_palette p = rival(set, method, directions);
+    OWNED(iso_palette) p = rival(set, method, directions);
     double norm1 = norm1_of(set, &p);
-    iso_palette_destroy(&p);
     return norm1;
 }
 
-static void regular_subdivision_has_the_published_counts(void **state)
+TEST(regular_subdivision_has_the_published_counts)
 {
-    (void)state;
     const size_t faces[] = {60, 240, 960, 3840}, vertices[] = {32, 122, 482, 1922};
     for (int level = 0; level < 4; ++level) {
         assert_int_equal(iso_subdivision_faces(level), faces[level]);
         assert_int_equal(iso_subdivision_vertices(level), vertices[level]);
     }
-    iso_direction_set none = set_of(NULL, NULL, 0);
+    OWNED(iso_direction_set) none = set_of(NULL, NULL, 0);
     iso_palette p = rival(&none, ISO_RIVAL_FACES, 1022); /* the largest level that is not above */
     assert_int_equal(p.count, 961);
     iso_palette_destroy(&p);
     p = rival(&none, ISO_RIVAL_VERTICES, 254);
     assert_int_equal(p.count, 123);
     iso_palette_destroy(&p);
-    iso_direction_set_destroy(&none);
 }
 
 /* Every fixed table: unit entries, the zero vector first, and no direction farther away than a covering of its size
  * may leave: the equal-area cap's angle is 2 asin(sqrt(1 / n)); a good table stays within twice of it, Glassner's
  * codes, stretched at the disc's edge, within six times. */
-static void fixed_tables_cover_the_sphere(void **state)
+TEST(fixed_tables_cover_the_sphere)
 {
-    (void)state;
     const iso_palette_rival methods[] = {ISO_RIVAL_FACES, ISO_RIVAL_VERTICES, ISO_RIVAL_FIBONACCI, ISO_RIVAL_GRID,
                                          ISO_RIVAL_SPIRAL};
     iso_random random = {7};
-    float *v = malloc(3 * 4000 * sizeof *v);
+    FREED float *v = malloc(3 * 4000 * sizeof *v);
     for (size_t i = 0; i < 4000; ++i)
         random_unit(&random, v + 3 * i);
-    iso_direction_set set = set_of(v, NULL, 4000);
+    OWNED(iso_direction_set) set = set_of(v, NULL, 4000);
     for (size_t m = 0; m < 5; ++m) {
-        iso_palette p = rival(&set, methods[m], 254);
+        OWNED(iso_palette) p = rival(&set, methods[m], 254);
         iso_palette_error e;
         assert_true(p.xyz[0] == 0 && p.xyz[1] == 0 && p.xyz[2] == 0);
         for (size_t i = 1; i < p.count; ++i) {
@@ -81,16 +77,12 @@ static void fixed_tables_cover_the_sphere(void **state)
         assert_ok(iso_palette_measure(&set, &p, &e, &err));
         double cap = 2 * asin(sqrt(1.0 / (double)(p.count - 1))) * 180 / acos(-1);
         assert_at_most(e.max_deg, (m < 3 ? 2 : 6) * cap);
-        iso_palette_destroy(&p);
     }
-    iso_direction_set_destroy(&set);
-    free(v);
 }
 
 /* Half of the faces of a centrally symmetric table are the others' opposites. */
-static void regular_faces_come_in_opposite_pairs(void **state)
+TEST(regular_faces_come_in_opposite_pairs)
 {
-    (void)state;
     float xyz[3 * 240];
     assert_ok(iso_palette_subdivide(1, true, xyz, &err));
     for (size_t i = 0; i < 240; ++i) {
@@ -104,38 +96,31 @@ static void regular_faces_come_in_opposite_pairs(void **state)
 
 /* Table 1's shape: 254 annealed entries beat 240 regular ones by more than 2 (3.4 and 5.2 in the paper), and the
  * default beats annealing. */
-static void methods_rank_as_published(void **state)
+TEST(methods_rank_as_published)
 {
-    (void)state;
-    float *v = ellipsoid(2000);
-    iso_direction_set set = set_of(v, NULL, 2000);
+    FREED float *v = ellipsoid(2000);
+    OWNED(iso_direction_set) set = set_of(v, NULL, 2000);
     double regular = fitted_norm1(&set, ISO_RIVAL_FACES, 254), annealed = fitted_norm1(&set, ISO_RIVAL_ANNEAL, 254);
     double kmeans = fitted_norm1(&set, ISO_RIVAL_KMEANS, 254), lbg = fitted_norm1(&set, ISO_RIVAL_LBG, 254);
     assert_more_than(regular, 2 * annealed);
     assert_more_than(annealed, kmeans);
     assert_more_than(lbg, kmeans);
-    iso_direction_set_destroy(&set);
-    free(v);
 }
 
 /* The product's default does not reach its errors by these: tests/test_palette.c has the limit. */
-static void simpler_relatives_miss_the_default_s_limit(void **state)
+TEST(simpler_relatives_miss_the_default_s_limit)
 {
-    (void)state;
-    float *v = ellipsoid(ELLIPSOID);
-    iso_direction_set set = set_of(v, NULL, ELLIPSOID);
+    FREED float *v = ellipsoid(ELLIPSOID);
+    OWNED(iso_direction_set) set = set_of(v, NULL, ELLIPSOID);
     assert_more_than(fitted_norm1(&set, ISO_RIVAL_KMEANSPP, 254), 3.95);
     assert_more_than(fitted_norm1(&set, ISO_RIVAL_LLOYD, 254), 3.95);
-    iso_direction_set_destroy(&set);
-    free(v);
 }
 
-static void entries_are_the_resultants_of_their_directions(void **state)
+TEST(entries_are_the_resultants_of_their_directions)
 {
-    (void)state;
-    float *v = ellipsoid(600);
-    iso_direction_set set = set_of(v, NULL, 600);
-    iso_palette p = rival(&set, ISO_RIVAL_KMEANSPP, 20);
+    FREED float *v = ellipsoid(600);
+    OWNED(iso_direction_set) set = set_of(v, NULL, 600);
+    OWNED(iso_palette) p = rival(&set, ISO_RIVAL_KMEANSPP, 20);
     iso_palette_lookup *lookup;
     uint16_t index[600];
     double sums[21][3] = {{0}};
@@ -151,35 +136,26 @@ static void entries_are_the_resultants_of_their_directions(void **state)
         assert_within(dot, 1, 1e-6); /* a fixed point of Lloyd's, up to floats */
     }
     iso_palette_lookup_destroy(lookup);
-    iso_palette_destroy(&p);
-    iso_direction_set_destroy(&set);
-    free(v);
 }
 
-static void fits_repeat_and_follow_their_seed(void **state)
+TEST(fits_repeat_and_follow_their_seed)
 {
-    (void)state;
-    float *v = ellipsoid(800);
-    iso_direction_set set = set_of(v, NULL, 800);
+    FREED float *v = ellipsoid(800);
+    OWNED(iso_direction_set) set = set_of(v, NULL, 800);
     for (int m = 0; m <= ISO_RIVAL_ANNEAL; ++m) {
-        iso_palette a = rival(&set, (iso_palette_rival)m, 40), b = rival(&set, (iso_palette_rival)m, 40);
+        OWNED(iso_palette) a = rival(&set, (iso_palette_rival)m, 40), b = rival(&set, (iso_palette_rival)m, 40);
         assert_memory_equal(a.xyz, b.xyz, 3 * a.count * sizeof *a.xyz);
-        iso_palette_destroy(&a);
-        iso_palette_destroy(&b);
     }
-    iso_direction_set_destroy(&set);
-    free(v);
 }
 
-static void no_direction_at_all_gives_the_zero_vector_alone(void **state)
+TEST(no_direction_at_all_gives_the_zero_vector_alone)
 {
-    (void)state;
     const float v[] = {0, 0, 0, NAN, 1, 0, INFINITY, 0, 0, 0, -0.0f, 0};
-    iso_direction_set set = set_of(v, NULL, 4);
+    OWNED(iso_direction_set) set = set_of(v, NULL, 4);
     assert_int_equal(set.count, 0);
     assert_within(set.undefined_weight, 4, 0);
     for (int m = 0; m < ISO_RIVAL_COUNT; ++m) {
-        iso_palette p = rival(&set, (iso_palette_rival)m, 64);
+        OWNED(iso_palette) p = rival(&set, (iso_palette_rival)m, 64);
         iso_palette_lookup *lookup;
         uint16_t index[4];
         assert_ok(iso_palette_lookup_create(&p, &lookup, &err));
@@ -190,64 +166,52 @@ static void no_direction_at_all_gives_the_zero_vector_alone(void **state)
             assert_int_equal(p.count, 1);
         assert_within(norm1_of(&set, &p), 0, 0);
         iso_palette_lookup_destroy(lookup);
-        iso_palette_destroy(&p);
     }
-    iso_direction_set_destroy(&set);
 }
 
-static void fewer_directions_than_entries_are_kept_exactly(void **state)
+TEST(fewer_directions_than_entries_are_kept_exactly)
 {
-    (void)state;
     /* Five vectors, three directions: lengths do not matter. */
     const float v[] = {2, 0, 0, 0, 0, -3, 4, 0, 0, 0.6f, 0.8f, 0, 1e-30f, 0, 0};
-    iso_direction_set set = set_of(v, NULL, 5);
+    OWNED(iso_direction_set) set = set_of(v, NULL, 5);
     assert_int_equal(set.count, 3);
     for (int m = 0; m < ISO_RIVAL_ANNEAL; ++m) {
-        iso_palette p = rival(&set, (iso_palette_rival)m, 254);
+        OWNED(iso_palette) p = rival(&set, (iso_palette_rival)m, 254);
         assert_int_equal(p.count, 4);
         assert_within(norm1_of(&set, &p), 0, 1e-14); /* the square of a float's rounding */
-        iso_palette_destroy(&p);
     }
-    iso_direction_set_destroy(&set);
 }
 
 /* Two opposite directions in one cluster cancel: the entry must stay finite. */
-static void opposite_directions_in_one_entry_stay_finite(void **state)
+TEST(opposite_directions_in_one_entry_stay_finite)
 {
-    (void)state;
     const float v[] = {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0};
-    iso_direction_set set = set_of(v, NULL, 4);
+    OWNED(iso_direction_set) set = set_of(v, NULL, 4);
     for (int m = 0; m < ISO_RIVAL_ANNEAL; ++m)
         for (size_t k = 1; k < 4; ++k) {
-            iso_palette p = rival(&set, (iso_palette_rival)m, k);
+            OWNED(iso_palette) p = rival(&set, (iso_palette_rival)m, k);
             for (size_t i = 3; i < 3 * p.count; ++i)
                 assert_true(isfinite(p.xyz[i]));
             assert_at_most(norm1_of(&set, &p), 4);
-            iso_palette_destroy(&p);
         }
-    iso_direction_set_destroy(&set);
 }
 
-static void a_tessellation_turns_to_the_only_direction(void **state)
+TEST(a_tessellation_turns_to_the_only_direction)
 {
-    (void)state;
     float v[3 * 100] = {0};
     for (size_t i = 0; i < 100; ++i)
         v[3 * i + 1] = (float)(i + 1);
-    iso_direction_set set = set_of(v, NULL, 100);
-    iso_palette p = rival(&set, ISO_RIVAL_ANNEAL, 60);
+    OWNED(iso_direction_set) set = set_of(v, NULL, 100);
+    OWNED(iso_palette) p = rival(&set, ISO_RIVAL_ANNEAL, 60);
     assert_int_equal(p.count, 61);
     assert_at_most(norm1_of(&set, &p), 100 * (1 - cos(0.05)));
-    iso_palette_destroy(&p);
-    iso_direction_set_destroy(&set);
 }
 
-static void bad_options_are_refused(void **state)
+TEST(bad_options_are_refused)
 {
-    (void)state;
     const float v[] = {1, 0, 0};
     iso_palette p;
-    iso_direction_set set = set_of(v, NULL, 1);
+    OWNED(iso_direction_set) set = set_of(v, NULL, 1);
     iso_rival_options opt = few_steps(ISO_RIVAL_FACES, 59);
     assert_status(iso_rival_palette_fit(&set, &opt, &p, &err), ISO_E_RANGE);
     opt.method = ISO_RIVAL_ANNEAL; /* an odd number of triangles */
@@ -258,14 +222,12 @@ static void bad_options_are_refused(void **state)
     opt.anneal.start_prob = 0.2;
     opt.anneal.temp_fac = NAN;
     assert_status(iso_rival_palette_fit(&set, &opt, &p, &err), ISO_E_RANGE);
-    iso_direction_set_destroy(&set);
 }
 
 /* ---- the annealed mesh --------------------------------------------------------------------------- */
 
-static void moved_mesh_stays_convex_and_reverts_exactly(void **state)
+TEST(moved_mesh_stays_convex_and_reverts_exactly)
 {
-    (void)state;
     iso_random random = {2};
     mesh m;
     size_t kept = 0, refused = 0;
@@ -302,16 +264,15 @@ static void moved_mesh_stays_convex_and_reverts_exactly(void **state)
     iso_mesh_destroy(&m);
 }
 
-static void annealing_lowers_its_own_error_and_the_nearest_is_not_worse(void **state)
+TEST(annealing_lowers_its_own_error_and_the_nearest_is_not_worse)
 {
-    (void)state;
-    float *v = ellipsoid(1500);
-    iso_direction_set set = set_of(v, NULL, 1500);
+    FREED float *v = ellipsoid(1500);
+    OWNED(iso_direction_set) set = set_of(v, NULL, 1500);
     iso_rival_options opt = iso_rival_defaults();
     opt.fit.directions = 100;
     double assigned[2];
     for (int run = 0; run < 2; ++run) {
-        iso_palette p;
+        OWNED(iso_palette) p;
         iso_tessellation t;
         opt.anneal.cycles = run ? 30 : 0;
         opt.anneal.steps = 500;
@@ -343,30 +304,8 @@ static void annealing_lowers_its_own_error_and_the_nearest_is_not_worse(void **s
         }
         assert_within(again, assigned[run], 1e-3); /* 1500 entries rounded to floats */
         iso_tessellation_destroy(&t);
-        iso_palette_destroy(&p);
     }
     assert_more_than(assigned[0], 1.5 * assigned[1]);
-    iso_direction_set_destroy(&set);
-    free(v);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(regular_subdivision_has_the_published_counts),
-        cmocka_unit_test(fixed_tables_cover_the_sphere),
-        cmocka_unit_test(regular_faces_come_in_opposite_pairs),
-        cmocka_unit_test(methods_rank_as_published),
-        cmocka_unit_test(simpler_relatives_miss_the_default_s_limit),
-        cmocka_unit_test(entries_are_the_resultants_of_their_directions),
-        cmocka_unit_test(fits_repeat_and_follow_their_seed),
-        cmocka_unit_test(no_direction_at_all_gives_the_zero_vector_alone),
-        cmocka_unit_test(fewer_directions_than_entries_are_kept_exactly),
-        cmocka_unit_test(opposite_directions_in_one_entry_stay_finite),
-        cmocka_unit_test(a_tessellation_turns_to_the_only_direction),
-        cmocka_unit_test(bad_options_are_refused),
-        cmocka_unit_test(moved_mesh_stays_convex_and_reverts_exactly),
-        cmocka_unit_test(annealing_lowers_its_own_error_and_the_nearest_is_not_worse),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+TEST_MAIN(NULL, NULL)

@@ -40,7 +40,7 @@ static float ramp(size_t x, size_t y, size_t z)
 
 static iso_pyramid build(value_of value, size_t size)
 {
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){size, size, size}, (double[]){1, 1, 1});
@@ -49,7 +49,6 @@ static iso_pyramid build(value_of value, size_t size)
     for (size_t i = 0; i < size * size * size; ++i)
         ((float *)v.data)[i] = value(i % size, i / size % size, i / (size * size));
     assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -58,12 +57,11 @@ static double emit_at(rival_maker make, const iso_pyramid *p, const iso_tf_table
 {
     const iso_view view = {.shading = {.ambient = 1, .power = 1}, .tf = *tf};
     iso_rival r = {0};
-    iso_sampler sampler;
+    OWNED(iso_sampler) sampler;
     assert_ok(make(&(iso_level_subject){p, 1, tf, 1}, &r, &err));
     assert_ok(iso_sampler_create(&sampler, &p->levels[1], p->options.code, ISO_FROM_CODES, &err));
     const iso_emitter_place at = {&view, &sampler, index, {0, 0, 1}};
     const double extinction = r.emitter.emit(&r.emitter, &at, color);
-    iso_sampler_destroy(&sampler);
     iso_rival_destroy(&r);
     return extinction;
 }
@@ -75,8 +73,8 @@ static const rival_maker all_rivals[] = {iso_rival_opacity,       iso_rival_exti
 /* Everywhere 40: extinction .54 and its color, as level 0 has. The rivals keep floats: 1e-6. */
 TEST(a_homogeneous_volume_is_what_level_0_is)
 {
-    iso_pyramid p = build(forty, 8);
-    iso_tf_table tf = make_tf();
+    OWNED(iso_pyramid) p = build(forty, 8);
+    OWNED(iso_tf_table) tf = make_tf();
     for (size_t i = 0; i < sizeof all_rivals / sizeof *all_rivals; ++i) {
         double color[3];
         const double extinction = emit_at(all_rivals[i], &p, &tf, iso_v3(2.1, 1.7, 0.2), color);
@@ -85,16 +83,14 @@ TEST(a_homogeneous_volume_is_what_level_0_is)
         assert_within(color[1], 0, 0);
         assert_within(color[2], 0.54 * 0.4, 2e-6);
     }
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 /* Every voxel of level 1 is half 0 and half 100, side by side along x: all voxels are alike, so filtering does
  * nothing. */
 TEST(half_and_half_voxels_have_their_means)
 {
-    iso_pyramid p = build(stripes, 8);
-    iso_tf_table tf = make_tf();
+    OWNED(iso_pyramid) p = build(stripes, 8);
+    OWNED(iso_tf_table) tf = make_tf();
     const double a0 = -expm1(-0.3), a1 = -expm1(-0.9), mean = 0.5 * (a0 + a1);
     double color[3];
     const double opacity = emit_at(iso_rival_opacity, &p, &tf, iso_v3(1.3, 2, 2), color);
@@ -107,16 +103,14 @@ TEST(half_and_half_voxels_have_their_means)
     /* each of the two Gaussians is one value: the histogram itself, so the limit of sparse pdfs is met */
     assert_within(emit_at(iso_rival_two_gaussians, &p, &tf, iso_v3(1.3, 2, 2), color), opacity, 1e-6);
     assert_within(color[2], opacity * 0.5 * a1 / mean, 1e-6);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 /* Along x a ray meets both halves, along y and z one of them. Means of transmittances are larger than the transmittance
  * of the mean: less extinction than the mean's .6. */
 TEST(transmittance_is_kept_along_each_axis)
 {
-    iso_pyramid p = build(stripes, 8);
-    iso_tf_table tf = make_tf();
+    OWNED(iso_pyramid) p = build(stripes, 8);
+    OWNED(iso_tf_table) tf = make_tf();
     double color[3];
     const double t0 = exp(-0.6), t1 = exp(-1.8), across = -log(0.5 * (t0 + t1)) / 2;
     const double wanted = (0.6 + 2 * across) / 3;
@@ -128,8 +122,6 @@ TEST(transmittance_is_kept_along_each_axis)
     const double opacity = 1 - exp(-1.2) + 2 * (1 - 0.5 * (t0 + t1));
     assert_within(color[0], wanted * red / opacity, 1e-6);
     assert_within(color[2], wanted * blue / opacity, 1e-6);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 /* The same by a sum over many values of the density. */
@@ -161,7 +153,7 @@ static void by_sum(const iso_tf_table *tf, double length_mm, double mean, double
 /* 1e-6: the sum's step at a bend of the table; clamped ends, narrow and wide Gaussians, a mean beyond the range. */
 TEST(the_tf_under_a_gaussian_is_its_closed_form)
 {
-    iso_tf_table tf = make_tf();
+    OWNED(iso_tf_table) tf = make_tf();
     for (size_t i = 40; i < 60; ++i)
         tf.entries[4 * i + 3] = 3; /* a shell */
     const double cases[][2] = {{50, 3}, {40, 0.2}, {2, 10}, {97, 30}, {-5, 4}, {120, 20}, {33, 0}};
@@ -172,44 +164,37 @@ TEST(the_tf_under_a_gaussian_is_its_closed_form)
         for (int c = 0; c < 4; ++c)
             assert_within(closed[c], summed[c], 1e-6);
     }
-    iso_tf_table_destroy(&tf);
 }
 
 /* Half 0 and half 100: mean and deviation are 50. 1e-4: the table over means and deviations is linear between
  * entries. */
 TEST(mean_and_deviation_are_put_under_one_gaussian)
 {
-    iso_pyramid p = build(stripes, 8);
-    iso_tf_table tf = make_tf();
+    OWNED(iso_pyramid) p = build(stripes, 8);
+    OWNED(iso_tf_table) tf = make_tf();
     double color[3], rgba[4];
     iso_tf_under_gaussian(&tf, 1, 50, 50, rgba);
     assert_within(emit_at(iso_rival_deviation, &p, &tf, iso_v3(2, 2, 2), color), -log1p(-rgba[3]), 1e-4);
     assert_within(color[2] / color[0], rgba[2] / rgba[0], 1e-4);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 /* A level of 16^3 voxels is one brick: its table is that of the whole level. */
 TEST(one_brick_is_the_whole_level)
 {
-    iso_pyramid p = build(ramp, 32);
-    iso_tf_table tf = make_tf(), whole;
+    OWNED(iso_pyramid) p = build(ramp, 32);
+    OWNED(iso_tf_table) tf = make_tf(), whole;
     iso_adapt_options opt = iso_adapt_defaults();
     opt.fall_back = false;
     assert_ok(iso_adapt_level(&p, 1, &tf, &opt, &whole, NULL, &err));
     for (size_t i = 1; i < 7; ++i) {
         double color[3], rgbs[4];
         const iso_vec3 at = {2.0 * (double)i, 3.3, 1.9 * (double)i};
-        iso_sampler sampler;
+        OWNED(iso_sampler) sampler;
         assert_ok(iso_sampler_create(&sampler, &p.levels[1], p.options.code, ISO_FROM_CODES, &err));
         iso_tf_lookup(&whole, iso_sample_scalar(&sampler, at), rgbs);
         assert_within(emit_at(iso_rival_bricks, &p, &tf, at, color), rgbs[3], 1e-9);
         assert_within(color[2], rgbs[3] * rgbs[2], 1e-9);
-        iso_sampler_destroy(&sampler);
     }
-    iso_tf_table_destroy(&whole);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(one_direction_of_microflakes_is_a_surface)
@@ -243,15 +228,15 @@ TEST(a_ball_of_microflakes_has_two_thirds)
 /* The gradient of a ramp is one direction everywhere. */
 TEST(a_ramp_is_shaded_by_its_gradient)
 {
-    iso_pyramid p = build(ramp, 16);
-    iso_tf_table tf = make_tf();
+    OWNED(iso_pyramid) p = build(ramp, 16);
+    OWNED(iso_tf_table) tf = make_tf();
     const iso_vec3 n = iso_normalize(iso_v3(1, 2, 1)), light = iso_normalize(iso_v3(-1, 1, 3));
     const iso_view view = {.shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
                            .light_count = 1,
                            .lights = {{.direction = light, .intensity = 1}},
                            .tf = tf};
     iso_rival r = {0};
-    iso_sampler sampler;
+    OWNED(iso_sampler) sampler;
     double color[3], rgbs[4];
     const iso_vec3 at = {4.2, 3.6, 4.4};
     assert_ok(iso_rival_sggx(&(iso_level_subject){&p, 1, &tf, 1}, &r, &err));
@@ -261,10 +246,7 @@ TEST(a_ramp_is_shaded_by_its_gradient)
     assert_within(extinction, rgbs[3], 1e-9);
     /* 3 bytes of a direction: .01 */
     assert_within(color[2], rgbs[3] * rgbs[2] * (0.3 + 0.7 * fabs(iso_dot(n, light))), 0.01);
-    iso_sampler_destroy(&sampler);
     iso_rival_destroy(&r);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(fine_boxes_are_cut_by_the_volume)

@@ -71,9 +71,9 @@ static iso_roi make_roi(const iso_pyramid *p, size_t around, const iso_tf_table 
 
 TEST(weights_and_places_are_those_of_the_definition)
 {
-    iso_pyramid p = field_pyramid(ISO_FIELD_NOISE, 1, false);
-    iso_view view = make_view(&p);
-    iso_roi f = make_roi(&p, 2, &view.tf, 2);
+    OWNED(iso_pyramid) p = field_pyramid(ISO_FIELD_NOISE, 1, false);
+    OWNED(iso_view) view = make_view(&p);
+    OWNED(iso_roi) f = make_roi(&p, 2, &view.tf, 2);
     assert_within(iso_roi_weight(&f, iso_v3(2.6, 4, 2)), 1, 0);
     assert_within(iso_roi_weight(&f, iso_v3(6.0 / 4 - 1, 4, 2)), 0.5, 1e-15); /* half the band: u = 1/2 */
     assert_within(iso_roi_weight(&f, iso_v3(6.0 / 4 - 0.5, 21.0 / 4 + 1.5, 2)), 0.25 * 0.25 * 2.5,
@@ -93,15 +93,12 @@ TEST(weights_and_places_are_those_of_the_definition)
         assert_within(back.y, at.y, 1e-12);
         assert_within(back.z, at.z, 1e-12);
     }
-    iso_roi_destroy(&f);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(boxes_that_are_none_are_refused)
 {
-    iso_pyramid p = field_pyramid(ISO_FIELD_RAMP, 1, false);
-    iso_view view = make_view(&p);
+    OWNED(iso_pyramid) p = field_pyramid(ISO_FIELD_RAMP, 1, false);
+    OWNED(iso_view) view = make_view(&p);
     iso_roi f;
     iso_roi_options opt = make_box(2);
     opt.hi[1] = opt.lo[1];
@@ -114,8 +111,6 @@ TEST(boxes_that_are_none_are_refused)
     opt = make_box(2);
     opt.level = 1;
     assert_status(iso_roi_create(&p, 1, &view.tf, &opt, &f, &err), ISO_E_RANGE);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* ---- the seam ---------------------------------------------------------------------------- */
@@ -123,12 +118,11 @@ TEST(boxes_that_are_none_are_refused)
 static iso_roi_step measure_step(const iso_pyramid *p, size_t level, const iso_view *view, const iso_tf_table *around,
                                  double band)
 {
-    iso_roi f = make_roi(p, level, &view->tf, band);
+    OWNED(iso_roi) f = make_roi(p, level, &view->tf, band);
     iso_roi_setup setup;
     assert_ok(iso_roi_setup_create(&setup, p, level, &f, &err));
     iso_roi_step step = iso_roi_measure_step(&setup, &f, around);
     iso_roi_setup_destroy(&setup);
-    iso_roi_destroy(&f);
     return step;
 }
 
@@ -136,31 +130,28 @@ static iso_roi_step measure_step(const iso_pyramid *p, size_t level, const iso_v
 #define STEP_LIMIT 1e-4
 TEST(no_step_is_left_at_the_faces_of_box_and_band)
 {
-    iso_pyramid p = field_pyramid(ISO_FIELD_NOISE, 1, false);
-    iso_view view = make_view(&p);
+    OWNED(iso_pyramid) p = field_pyramid(ISO_FIELD_NOISE, 1, false);
+    OWNED(iso_view) view = make_view(&p);
     for (size_t level = 1; level < 3; ++level) {
-        iso_tf_table adapted = adapted_table(&p, level, &view.tf);
+        OWNED(iso_tf_table) adapted = adapted_table(&p, level, &view.tf);
         iso_roi_step blended = measure_step(&p, level, &view, &adapted, 2),
                      hard = measure_step(&p, level, &view, &adapted, 0);
         print_message("level %zu: step %.2g, hard %.2g, own %.2g\n", level, blended.largest, hard.largest, blended.own);
         assert_at_most(blended.largest, STEP_LIMIT);
         assert_more_than(hard.largest, 100 * STEP_LIMIT); /* planted: a hard switch */
         assert_more_than(hard.rms, 0.1 * blended.own);    /* which shows beside the field's own variation */
-        iso_tf_table_destroy(&adapted);
     }
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* Thin flanks: the original TF shows less of them at a coarse level, all round the box. An adapted one keeps the mean
  * but for what its window leaves out. */
 TEST(both_sides_are_equally_bright)
 {
-    iso_pyramid p = field_pyramid(ISO_FIELD_BALLS, 2, false);
-    iso_view view = make_view(&p);
-    iso_tf_table adapted = adapted_table(&p, 2, &view.tf);
+    OWNED(iso_pyramid) p = field_pyramid(ISO_FIELD_BALLS, 2, false);
+    OWNED(iso_view) view = make_view(&p);
+    OWNED(iso_tf_table) adapted = adapted_table(&p, 2, &view.tf);
     const iso_roi_options box = {.lo = {12, 15, 9}, .hi = {34, 45, 25}, .band = 2};
-    iso_roi f;
+    OWNED(iso_roi) f;
     iso_roi_setup setup;
     assert_ok(iso_roi_create(&p, 2, &view.tf, &box, &f, &err));
     assert_ok(iso_roi_setup_create(&setup, &p, 2, &f, &err));
@@ -169,10 +160,6 @@ TEST(both_sides_are_equally_bright)
     assert_at_most(own.tone, 0.6 * foreign.tone); /* planted: a TF that is not the level's */
     assert_at_most(own.change, 0.8 * foreign.change);
     iso_roi_setup_destroy(&setup);
-    iso_roi_destroy(&f);
-    iso_tf_table_destroy(&adapted);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 static iso_image render(const iso_pyramid *p, size_t level, const iso_view *own, const iso_tf_table *tf, iso_roi *roi,
@@ -190,30 +177,25 @@ static iso_image render(const iso_pyramid *p, size_t level, const iso_view *own,
  * no more than at level 0, to a tenth; those of a hard edge by twice as much at least. */
 TEST(an_image_has_no_step_where_the_box_ends)
 {
-    iso_pyramid p = field_pyramid(ISO_FIELD_BALLS, 2, false);
+    OWNED(iso_pyramid) p = field_pyramid(ISO_FIELD_BALLS, 2, false);
     const iso_scene scene = make_scene();
-    iso_view view;
+    OWNED(iso_view) view;
     assert_ok(iso_roi_make_view(&scene, &p, &view, &err));
-    iso_tf_table adapted = adapted_table(&p, 2, &view.tf);
+    OWNED(iso_tf_table) adapted = adapted_table(&p, 2, &view.tf);
     iso_roi_options box = {.lo = {14, 16, 0}, .hi = {32, 44, 34}};
     double step[3];
     for (int i = 0; i < 3; ++i) { /* level 0, blended, hard */
         iso_render_options gl = iso_render_defaults(&iso_renderer_gl);
-        iso_roi f = {0};
+        OWNED(iso_roi) f = {0};
         box.band = i == 1 ? 2 : 0;
         if (i > 0)
             assert_ok(iso_roi_create(&p, 2, &view.tf, &box, &f, &err));
-        iso_image image = render(&p, i > 0 ? 2 : 0, &view, i > 0 ? &adapted : &view.tf, i > 0 ? &f : NULL, &gl);
+        OWNED(iso_image) image = render(&p, i > 0 ? 2 : 0, &view, i > 0 ? &adapted : &view.tf, i > 0 ? &f : NULL, &gl);
         step[i] = iso_roi_image_step(&image, &p, &box);
-        iso_image_destroy(&image);
-        iso_roi_destroy(&f);
     }
     print_message("image step: level 0 %.3g, blended %.3g, hard %.3g\n", step[0], step[1], step[2]);
     assert_at_most(step[1], 1.1 * step[0]);
     assert_more_than(step[2], 2 * step[0]);
-    iso_tf_table_destroy(&adapted);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
 }
 
 /* ---- renderers ---------------------------------------------------------------------------- */
@@ -250,10 +232,9 @@ static void close_subject(subject *s)
 static iso_metrics against(const iso_image *have, subject *s, const iso_tf_table *tf, iso_roi *roi,
                            const iso_render_options *reference)
 {
-    iso_image want = render(&s->pyramid, 1, &s->view, tf, roi, reference);
+    OWNED(iso_image) want = render(&s->pyramid, 1, &s->view, tf, roi, reference);
     iso_metrics m;
     assert_ok(iso_metrics_measure(have, &want, &m, &err));
-    iso_image_destroy(&want);
     return m;
 }
 
@@ -277,9 +258,8 @@ TEST(the_ray_caster_blends_as_the_reference)
     iso_render_options gl = iso_render_defaults(&iso_renderer_gl),
                        reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_MIDPOINT;
-    iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &gl);
+    OWNED(iso_image) have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &gl);
     check_image(&have, &s, &reference, "gl", 2e-5, 1e-6); /* the same samples in float */
-    iso_image_destroy(&have);
     close_subject(&s);
 }
 
@@ -290,9 +270,8 @@ TEST(povray_blends_as_the_reference)
                        reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_POVRAY;
     povray.intervals = reference.intervals = 60;
-    iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &povray);
+    OWNED(iso_image) have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &povray);
     check_image(&have, &s, &reference, "povray", 2e-5, 1e-5); /* 16 bits a channel */
-    iso_image_destroy(&have);
     close_subject(&s);
 }
 
@@ -339,16 +318,14 @@ TEST(inside_the_box_nothing_but_the_finer_level_is_seen)
     same = reference;
     const size_t *n = s.pyramid.levels[0].geometry.size;
     const iso_roi_options all = {.hi = {(double)n[0], (double)n[1], (double)n[2]}, .band = 2};
-    iso_roi f;
+    OWNED(iso_roi) f;
     assert_ok(iso_roi_create(&s.pyramid, 1, &s.view.tf, &all, &f, &err));
-    iso_image have = render(&s.pyramid, 1, &s.view, &s.adapted, &f, &reference),
-              want = render(&s.pyramid, 0, &s.view, &s.view.tf, NULL, &same);
+    OWNED(iso_image)
+    have = render(&s.pyramid, 1, &s.view, &s.adapted, &f, &reference),
+    want = render(&s.pyramid, 0, &s.view, &s.view.tf, NULL, &same);
     iso_metrics m;
     assert_ok(iso_metrics_measure(&have, &want, &m, &err));
     assert_at_most(m.max_abs, 1e-6); /* indices are halved and doubled: rounding, and floats in the image */
-    iso_image_destroy(&have);
-    iso_image_destroy(&want);
-    iso_roi_destroy(&f);
     close_subject(&s);
 }
 

@@ -31,13 +31,12 @@ static int drop_gl(void **state)
 
 static iso_pyramid pyramid_of(const iso_field *f)
 {
-    iso_volume v;
+    OWNED(iso_volume) v;
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.keep_float = true;
     assert_ok(iso_field_sample(f, ISO_F32, &v, &err));
     assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
-    iso_volume_destroy(&v);
     return p;
 }
 
@@ -53,7 +52,7 @@ static const iso_shading_look look = {.view_count = 2, .image_size = 48, .surfac
 TEST(level_0_is_at_no_distance_from_itself)
 {
     iso_field f = field_of(ISO_FIELD_TUBES);
-    iso_pyramid p = pyramid_of(&f);
+    OWNED(iso_pyramid) p = pyramid_of(&f);
     iso_shading_subject s;
     iso_shading_error e;
     assert_ok(iso_shading_begin(&s, gl, &p.levels[0], ISO_CODE_SNORM, &f, &look, &err));
@@ -73,14 +72,13 @@ TEST(level_0_is_at_no_distance_from_itself)
     assert_ok(iso_shading_floor(&s, &p.levels[0], &p.levels[2], 2, ISO_CODE_SNORM, &e, &err));
     assert_more_than(e.dssim_mean, 0.01);
     iso_shading_end(&s);
-    iso_pyramid_destroy(&p);
 }
 
 /* Directions turned by a known angle, and mirrored ones, which two-sided light does not tell apart. */
 TEST(angles_are_those_by_which_directions_were_turned)
 {
     iso_field f = field_of(ISO_FIELD_PLATE); /* one direction everywhere */
-    iso_pyramid p = pyramid_of(&f);
+    OWNED(iso_pyramid) p = pyramid_of(&f);
     iso_shading_subject s;
     iso_shading_error e;
     assert_ok(iso_shading_begin(&s, gl, &p.levels[0], ISO_CODE_SNORM, &f, &look, &err));
@@ -107,7 +105,6 @@ TEST(angles_are_those_by_which_directions_were_turned)
                                   &e, &err));
     assert_within(e.angle_mean_deg, 90, 1e-9); /* no direction */
     iso_shading_end(&s);
-    iso_pyramid_destroy(&p);
 }
 
 enum { edge = 20, cells = edge * edge * edge };
@@ -239,14 +236,13 @@ TEST(a_box_parted_evenly_keeps_its_surface)
 TEST(a_volume_without_a_surface_is_left_out)
 {
     iso_field f = field_of(ISO_FIELD_NOISE);
-    iso_pyramid p = pyramid_of(&f);
+    OWNED(iso_pyramid) p = pyramid_of(&f);
     iso_shading_subject s;
     assert_ok(iso_shading_begin(&s, gl, &p.levels[0], ISO_CODE_SNORM, &f, &look, &err));
     assert_non_null(s.surface.left_out);
     assert_null(s.finest[0].rgba);
     assert_int_equal(s.point_count, 0);
     iso_shading_end(&s);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(ratios_have_a_median_that_one_case_does_not_move)
@@ -267,7 +263,7 @@ TEST(ratios_have_a_median_that_one_case_does_not_move)
 TEST(the_default_is_nearer_to_level_0_than_gradients_on_the_fly)
 {
     iso_field f = field_of(ISO_FIELD_TUBES);
-    iso_pyramid p = pyramid_of(&f);
+    OWNED(iso_pyramid) p = pyramid_of(&f);
     iso_shading_subject s;
     assert_ok(iso_shading_begin(&s, gl, &p.levels[0], ISO_CODE_SNORM, &f, &look, &err));
     iso_shading_error own, fly, unit;
@@ -288,7 +284,6 @@ TEST(the_default_is_nearer_to_level_0_than_gradients_on_the_fly)
     assert_at_most(own.truth_mean_deg, 0.55 * fly.truth_mean_deg);
     assert_more_than(unit.truth_mean_deg, 0.55 * fly.truth_mean_deg);
     iso_shading_end(&s);
-    iso_pyramid_destroy(&p);
 }
 
 /* Cosine of the two views that are nearest to each other, up to sign where axes count. */
