@@ -64,6 +64,7 @@ def place(matrix, shift, at):
 
 one, other, nano = sys.argv[1:]
 transforms = maps(nano)
+assert next(iter(transforms)).startswith("density"), list(transforms) # programs take the first grid
 assert names(one) == names(other) and names(one), (names(one), names(other))
 for name in names(one):
     a, b = vdb.read(one, name), vdb.read(other, name)

@@ -4,6 +4,8 @@
 
 #if __has_include(<nanovdb/NanoVDB.h>)
 
+#include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <vector>
 
@@ -62,6 +64,10 @@ std::vector<handle> read_again(const char *vdb_path)
     read([&] { return file.open(/*delayLoad=*/false); });
     for (auto name = file.beginName(); name != file.endName(); ++name)
         grids.push_back(convert(read([&] { return file.readGrid(name.gridName()); })));
+    /* OpenVDB lists names by their letters; many programs take the first grid. */
+    std::stable_partition(grids.begin(), grids.end(), [](const handle &grid) {
+        return std::strncmp(grid.gridMetaData()->shortGridName(), "density", 7) == 0;
+    });
     return grids;
 }
 

@@ -284,6 +284,18 @@ void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *wh
     }
 }
 
+void iso_json_need_keys(iso_json_reader *r, const json_t *object, const char *where, const char *const keys[],
+                        const char *example)
+{
+    char list[256] = "";
+    size_t used = 0;
+    for (int i = 0; keys[i] && r->status == ISO_OK; ++i)
+        if (!json_object_get(object, keys[i]) && used < sizeof list)
+            used += (size_t)snprintf(list + used, sizeof list - used, "%s\"%s\"", used ? ", " : "", keys[i]);
+    if (used)
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: %s lacks %s; an example: %s", r->path, where, list, example);
+}
+
 json_t *iso_json_number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();

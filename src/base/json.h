@@ -59,6 +59,9 @@ json_t *iso_json_get_array(iso_json_reader *r, const json_t *object, const char 
 void iso_json_check_texts(iso_json_reader *r, const char *key, const json_t *value);
 /* Refuses keys that are not in the NULL-terminated list: a misspelt option must not be ignored. */
 void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *where, const char *const keys[]);
+/* Refuses an object without one of the keys: the message has all that are missing, and the example. */
+void iso_json_need_keys(iso_json_reader *r, const json_t *object, const char *where, const char *const keys[],
+                        const char *example);
 
 /* Returns a number, or null for NaN and infinities, which JSON lacks. */
 json_t *iso_json_number(double value);

@@ -7,6 +7,8 @@
 
 #include "tf/color_space.h"
 
+#define EXAMPLE_POINT "{\"value\": 0, \"r\": 1, \"g\": 0.5, \"b\": 0, \"opacity\": 0.2}"
+
 static void read_point(iso_json_reader *r, const json_t *item, bool srgb, iso_tf_point *p)
 {
     static const char *const keys[] = {"value", "r", "g", "b", "opacity", NULL};
@@ -15,6 +17,7 @@ static void read_point(iso_json_reader *r, const json_t *item, bool srgb, iso_tf
         return;
     }
     iso_json_only_keys(r, item, "a point", keys);
+    iso_json_need_keys(r, item, "a point", keys, EXAMPLE_POINT);
     iso_json_get_number(r, item, "value", true, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE, &p->value);
     for (int c = 0; c < 3; ++c) {
         iso_json_get_number(r, item, keys[1 + c], true, 0, 1, &p->rgb_linear[c]);
@@ -51,11 +54,14 @@ static void read_points(iso_json_reader *r, const json_t *object, bool srgb, iso
 
 static void read_range(iso_json_reader *r, const json_t *object, iso_tf *tf)
 {
-    const json_t *range = json_object_get(object, "range");
-    if (range && json_is_string(range) && strcmp(json_string_value(range), "fit") == 0) {
+    const char *word = json_string_value(json_object_get(object, "range"));
+    if (word && strcmp(word, "fit") == 0) {
         tf->fit_range = true;
         return;
     }
+    if (word && r->status == ISO_OK)
+        r->status = iso_fail(r->err, ISO_E_FORMAT, "%s: \"range\" is \"%.40s\", must be [lo, hi] or \"fit\"", r->path,
+                             word);
     iso_json_get_numbers(r, object, "range", true,
                          &(iso_json_list){tf->range, 2, -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE});
     if (r->status == ISO_OK && !(tf->range[1] > tf->range[0]))
@@ -73,17 +79,21 @@ iso_status iso_tf_from_json(const json_t *object, const char *path, iso_tf *tf, 
     iso_json_reader r = {.path = path, .err = err};
     int schema = 0, space = 0;
     *tf = (iso_tf){.table_size = 256};
+    tf->unit_is_voxels = json_object_get(object, "unit_distance_voxels") != NULL;
+    const char *const unit = tf->unit_is_voxels ? "unit_distance_voxels" : "unit_distance_mm";
+    const char *const needed[] = {"schema", "range", unit, "color_space", "points", NULL};
     iso_json_only_keys(&r, object, "the transfer function", keys);
-    iso_json_get_word(&r, object, "schema", true, schemas, &schema);
+    iso_json_get_word(&r, object, "schema", false, schemas, &schema);
+    iso_json_need_keys(&r, object, "the transfer function", needed,
+                       "{\"schema\": \"isoshade.tf/1\", \"range\": \"fit\", \"unit_distance_mm\": 1, "
+                       "\"color_space\": \"srgb\", \"points\": [" EXAMPLE_POINT "]}");
     iso_json_get_word(&r, object, "color_space", true, spaces, &space);
     iso_json_get_size(&r, object, "table_size", false, 2, ISO_TF_MOST_ENTRIES, &tf->table_size);
     read_range(&r, object, tf);
-    tf->unit_is_voxels = json_object_get(object, "unit_distance_voxels") != NULL;
     if (tf->unit_is_voxels && json_object_get(object, "unit_distance_mm") && r.status == ISO_OK)
         r.status = iso_fail(err, ISO_E_FORMAT,
                             "%s: has both \"unit_distance_mm\" and \"unit_distance_voxels\"; remove one", path);
-    iso_json_get_number(&r, object, tf->unit_is_voxels ? "unit_distance_voxels" : "unit_distance_mm", true,
-                        ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT, &tf->unit_distance);
+    iso_json_get_number(&r, object, unit, true, ISO_TF_LEAST_UNIT, ISO_TF_MOST_UNIT, &tf->unit_distance);
     read_points(&r, object, space == 1, tf);
     if (r.status != ISO_OK)
         iso_tf_destroy(tf);
