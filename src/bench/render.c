@@ -156,8 +156,6 @@ static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso
     TRY(status, iso_words_check_range("--step", opt->step_voxels, 1e-3, 100, err));
     if (status == ISO_OK && opt->tf && strcmp(opt->tf, "dense") != 0 && strcmp(opt->tf, "sparse") != 0)
         status = iso_fail(err, ISO_E_USAGE, "--tf is \"%s\", must be dense or sparse", opt->tf);
-    if (status == ISO_OK && (opt->transition || opt->picture) && !(opt->bricks && opt->transition))
-        status = iso_fail(err, ISO_E_USAGE, "--transition needs --bricks, and -o needs --transition");
     TRY(status, iso_gl_create(&gl, NULL, err));
     if (status != ISO_OK)
         return status;
@@ -185,9 +183,6 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
         {"tf", 0, POPT_ARG_STRING, &opt.tf, 0, "measure only dense or only sparse", "NAME"},
         {"processor-time", 0, POPT_ARG_NONE, &opt.processor_time, 0,
          "measure processor time of all cores, for software GL on a busy machine", NULL},
-        {"transition", 0, POPT_ARG_STRING, &opt.transition, 0,
-         "with --bricks: only discontinuous, baked, centers-discontinuous, paper or paper-corrected", "NAME"},
-        {"output", 'o', POPT_ARG_STRING, &opt.picture, 0, "with --transition: write the shaded image", "FILE.png"},
         {"bricks", 0, POPT_ARG_INT, &opt.bricks, 0, "compare bricks of two levels with one texture instead", "VOXELS"},
         ISO_CLI_INPUT_OPTIONS(&opt.input),
         POPT_TABLEEND,
@@ -210,13 +205,10 @@ const iso_command iso_bench_render = {
         "Without a volume: two thin shells of --size voxels per side. The dense TF shows every value thinly, the\n"
         "sparse one the upper 40 % of the range. Loops: plain takes every sample, skipping leaves out bricks that\n"
         "the TF does not show, auto selects one of them by the share of visible bricks.\n"
-        "With --bricks: one texture; separate bricks (discontinuous); bricks with baked faces (smooth). With samples\n"
-        "inside bricks: separate ones, and the paper's transitions as written and as corrected. A quarter of the\n"
-        "bricks are in transition. Then whole levels against level 0: of cells (2x2x2 means), of nodes filtered by\n"
-        "[1 2 1] (smooth) and by [-1 2 6 2 -1] (sharp, as bricks use), and of nodes interpolated between the cells.",
-    .common = "size image step runs tf processor-time bricks transition output threads",
+        "With --bricks: one texture; separate bricks (discontinuous); bricks with baked faces (smooth). A quarter of\n"
+        "the bricks are in transition.",
+    .common = "size image step runs tf processor-time bricks threads",
     .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n"
-                "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n"
-                "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8 --transition paper -o paper.png\n",
+                "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n",
     .run = run,
 };

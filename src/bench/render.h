@@ -15,8 +15,7 @@ typedef struct bench_render_options {
     iso_volume_input input;
     int size, image, runs, bricks, processor_time;
     double step_voxels;
-    char *tf;                   /* only this one, or NULL */
-    char *transition, *picture; /* --bricks: only this transition, and its image file; or NULL */
+    char *tf; /* only this one, or NULL */
 } bench_render_options;
 
 typedef enum bench_tf { TF_DENSE, TF_SPARSE, TF_COUNT } bench_tf;
@@ -41,6 +40,10 @@ typedef struct bench_render_case {
 } bench_render_case;
 iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_render_case what,
                              double *seconds, iso_error *err);
+
+/* Sets levels so that a box of fine bricks in the middle has about a quarter of all bricks beside coarse ones. Returns
+ * that share. */
+double iso_bench_fill_quarter(const size_t count[3], uint8_t *levels);
 
 /* Measures bricks (--bricks). */
 iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,

@@ -1,34 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* render_bricks.c - bench render --bricks: the cost of transitions, and nodes against cells. */
+/* render_bricks.c - bench render --bricks: the cost of bricks of two levels. */
 #include "bench/render.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "compare/metrics.h"
 #include "image/image.h"
 #include "render/gl/bricks_gl.h"
-#include "render/gl/warp_gl.h"
 
-/* own and baked: samples on the faces of bricks (brick/bricks.h); the paper's: inside them (brick/warp.h). */
-typedef enum bench_texture {
-    TEXTURE_UNIFORM,
-    TEXTURE_OWN,
-    TEXTURE_BAKED,
-    TEXTURE_CENTERS_OWN,
-    TEXTURE_PAPER,
-    TEXTURE_PAPER_CORRECTED,
-    TEXTURE_COUNT
-} bench_texture;
-static const char *const texture_names[TEXTURE_COUNT] = {"uniform",     "bricks-own", "bricks-baked",
-                                                         "centers-own", "paper",      "paper-corrected"};
-/* Names in --transition. */
-static const char *const transition_names[TEXTURE_COUNT] = {NULL,    "discontinuous",  "baked", "centers-discontinuous",
-                                                            "paper", "paper-corrected"};
-static const iso_warp_mode warp_modes[TEXTURE_COUNT] = {
-    [TEXTURE_PAPER] = ISO_WARP_WRITTEN, [TEXTURE_PAPER_CORRECTED] = ISO_WARP_CORRECTED};
+typedef enum bench_texture { TEXTURE_UNIFORM, TEXTURE_OWN, TEXTURE_BAKED, TEXTURE_COUNT } bench_texture;
+static const char *const texture_names[TEXTURE_COUNT] = {"uniform", "bricks-own", "bricks-baked"};
 
 /* Sets fine levels in a box of bricks in the middle and coarse ones around it. Returns the share of bricks that are
  * fine and touch a coarse one. */
@@ -51,8 +33,7 @@ static double fill_box(const size_t count[3], const size_t box[3], uint8_t *leve
     return (double)(fine - inner) / (double)all;
 }
 
-/* Sets the box whose share of transition bricks is nearest to a quarter. */
-static double fill_quarter(const size_t count[3], uint8_t *levels)
+double iso_bench_fill_quarter(const size_t count[3], uint8_t *levels)
 {
     size_t best[3] = {0, 0, 0};
     double nearest = 1;
@@ -68,274 +49,109 @@ static double fill_quarter(const size_t count[3], uint8_t *levels)
     return fill_box(count, best, levels);
 }
 
-/* One volume and layout, in bricks of both kinds. */
-typedef struct bench_fields {
-    const iso_pyramid *pyramid;
-    iso_brick_field nodes;
-    iso_warp_field centers;
-} bench_fields;
-
 /* Measures one draw, after one that compiles. */
-static iso_status draw_texture(iso_gl *gl, const bench_fields *fields, const bench_render_options *opt,
-                               bench_gradients gradients, bench_texture texture, double *seconds, iso_error *err)
+static iso_status draw_texture(iso_gl *gl, const iso_pyramid *p, const iso_brick_field *nodes,
+                               const bench_render_options *opt, bench_render_case what, bench_texture texture,
+                               double *seconds, iso_error *err)
 {
-    iso_scene scene = iso_bench_scene(opt, TF_DENSE, gradients);
+    iso_scene scene = iso_bench_scene(opt, what.tf, what.gradients);
     iso_gl_brick_options options = iso_gl_brick_defaults();
-    iso_brick_field f = fields->nodes;
-    iso_warp_field warp = fields->centers;
+    iso_brick_field f = *nodes;
     iso_gl_brick_stats stats;
     iso_view view;
     iso_image image = {0};
     const bench_render_options once = {.image = opt->image, .step_voxels = opt->step_voxels, .runs = 1};
     if (texture == TEXTURE_UNIFORM)
-        return iso_bench_measure(gl, fields->pyramid, &once, (bench_render_case){TF_DENSE, gradients, LOOP_PLAIN},
-                                 seconds, err);
-    const iso_level *level = &fields->pyramid->levels[0];
+        return iso_bench_measure(gl, p, &once, what, seconds, err);
+    const iso_level *level = &p->levels[0];
     iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);
     if (status != ISO_OK)
         return status;
-    options.shaded = gradients != GRADIENTS_NONE;
+    options.shaded = what.gradients != GRADIENTS_NONE;
     options.skip = ISO_GL_SKIP_NEVER;
     options.repeats = 2;
     options.fast_filter = true;
     f.faces = texture == TEXTURE_BAKED ? ISO_FACES_BAKED : ISO_FACES_OWN;
-    warp.mode = warp_modes[texture];
-    if (texture <= TEXTURE_BAKED)
-        status = iso_gl_render_bricks(gl, &f, &view, &options, &image, &stats, err);
-    else
-        status = iso_gl_render_warp(gl, &(iso_gl_warp){&warp, level}, &view, &options, &image, &stats, err);
+    status = iso_gl_render_bricks(gl, &f, &view, &options, &image, &stats, err);
     if (status == ISO_OK)
         *seconds = stats.seconds;
-    if (status == ISO_OK && opt->picture && gradients != GRADIENTS_NONE)
-        status = iso_image_save_png(&image, opt->picture, 1, err);
     iso_image_destroy(&image);
     iso_view_destroy(&view);
     return status;
 }
 
 /* Measures all textures in turn, run after run, so that other load affects all of them. */
-static iso_status measure_textures(iso_gl *gl, const bench_fields *fields, const bench_render_options *opt,
-                                   bench_gradients gradients, double seconds[TEXTURE_COUNT], iso_error *err)
+static iso_status measure_textures(iso_gl *gl, const iso_pyramid *p, const iso_brick_field *nodes,
+                                   const bench_render_options *opt, bench_gradients gradients,
+                                   double seconds[TEXTURE_COUNT], iso_error *err)
 {
+    const bench_render_case what = {TF_DENSE, gradients, LOOP_PLAIN};
     iso_status status = ISO_OK;
     for (int t = 0; t < TEXTURE_COUNT; ++t)
         seconds[t] = INFINITY;
     for (int run = 0; run < opt->runs; ++run)
         for (int t = 0; t < TEXTURE_COUNT && status == ISO_OK; ++t) {
             double once = INFINITY;
-            if (opt->transition && (t == TEXTURE_UNIFORM || strcmp(opt->transition, transition_names[t]) != 0))
-                continue;
-            status = draw_texture(gl, fields, opt, gradients, (bench_texture)t, &once, err);
+            status = draw_texture(gl, p, nodes, opt, what, (bench_texture)t, &once, err);
             seconds[t] = fmin(seconds[t], once);
         }
     return status;
 }
 
-static void print_ratios(const double s[TEXTURE_COUNT])
-{
-    printf(
-        "  smooth / discontinuous %.3f (baked / bricks-own); paper %.2f, corrected %.2f (to centers-own); bricks / uniform %.3f\n",
-        s[TEXTURE_BAKED] / s[TEXTURE_OWN], s[TEXTURE_PAPER] / s[TEXTURE_CENTERS_OWN],
-        s[TEXTURE_PAPER_CORRECTED] / s[TEXTURE_CENTERS_OWN], s[TEXTURE_BAKED] / s[TEXTURE_UNIFORM]);
-}
-
-static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fields *fields, double transition,
-                                  const bench_render_options *opt, json_t *root, iso_error *err)
+static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const iso_brick_field *nodes,
+                                  double transition, const bench_render_options *opt, json_t *root, iso_error *err)
 {
     json_t *cases = json_array();
     json_object_set_new(root, "gl", json_string(iso_gl_describe(gl).renderer));
     json_object_set_new(root, "image", json_integer(opt->image));
     json_object_set_new(root, "transition_bricks", json_real(transition));
-    if (!cli->json) {
-        printf("%s, image %d x %d, bricks of %d, %.0f %% of them in transition; milliseconds, least of %d\n%-12s",
+    if (!cli->json)
+        printf("%s, image %d x %d, bricks of %d, %.0f %% of them in transition; milliseconds, least of %d\n%-12s %13s "
+               "%13s %13s\n",
                iso_gl_describe(gl).renderer, opt->image, opt->image, opt->bricks, 100 * transition, opt->runs,
-               "gradients");
-        for (int t = 0; t < TEXTURE_COUNT; ++t)
-            printf(" %13s", texture_names[t]);
-        printf("\n");
-    }
+               "gradients", texture_names[0], texture_names[1], texture_names[2]);
     iso_status status = ISO_OK;
     for (int g = GRADIENTS_NONE; g <= GRADIENTS_CODES && status == ISO_OK; ++g) {
-        double seconds[TEXTURE_COUNT];
-        status = measure_textures(gl, fields, opt, (bench_gradients)g, seconds, err);
-        for (int t = 0; t < TEXTURE_COUNT && status == ISO_OK; ++t) {
-            if (isinf(seconds[t]))
-                continue; /* not requested */
+        double s[TEXTURE_COUNT];
+        status = measure_textures(gl, p, nodes, opt, (bench_gradients)g, s, err);
+        for (int t = 0; t < TEXTURE_COUNT && status == ISO_OK; ++t)
             json_array_append_new(cases,
                                   json_pack("{s:s, s:s, s:s, s:s, s:f, s:f}", "renderer", "gl", "texture",
                                             texture_names[t], "tf", "dense", "gradients", iso_bench_gradients_names[g],
-                                            "step_voxels", opt->step_voxels, "milliseconds", 1e3 * seconds[t]));
-        }
-        if (!cli->json && status == ISO_OK) {
-            printf("%-12s", iso_bench_gradients_names[g]);
-            for (int t = 0; t < TEXTURE_COUNT; ++t)
-                isinf(seconds[t]) ? printf(" %13s", "-") : printf(" %13.1f", 1e3 * seconds[t]);
-            printf("\n");
-            if (!opt->transition)
-                print_ratios(seconds);
-        }
+                                            "step_voxels", opt->step_voxels, "milliseconds", 1e3 * s[t]));
+        if (!cli->json && status == ISO_OK)
+            printf("%-12s %13.1f %13.1f %13.1f\n"
+                   "  smooth / discontinuous %.3f (baked / bricks-own); bricks / uniform %.3f\n",
+                   iso_bench_gradients_names[g], 1e3 * s[TEXTURE_UNIFORM], 1e3 * s[TEXTURE_OWN], 1e3 * s[TEXTURE_BAKED],
+                   s[TEXTURE_BAKED] / s[TEXTURE_OWN], s[TEXTURE_BAKED] / s[TEXTURE_UNIFORM]);
     }
-    if (status == ISO_OK && !opt->transition)
-        status = iso_bench_bricks_on_cpu(cli, fields->pyramid, &fields->nodes, opt, cases, err);
+    TRY(status, iso_bench_bricks_on_cpu(cli, p, nodes, opt, cases, err));
     json_object_set_new(root, "cases", cases);
     return status;
-}
-
-/* ---- nodes against cells ------------------------------------------------------ */
-
-/* How a whole level is made. LEVEL_FROM_CELLS: from a pyramid's cells, the only values that are stored. */
-typedef enum level_kind { LEVEL_CELLS, LEVEL_SMOOTH, LEVEL_SHARP, LEVEL_FROM_CELLS, LEVEL_KINDS } level_kind;
-static const char *const level_kind_names[LEVEL_KINDS] = {"cells", "nodes-smooth", "nodes-sharp", "nodes-from-cells"};
-
-/* The pyramid and views to compare, and one level per brick. */
-typedef struct level_comparison {
-    const iso_cli *cli;
-    iso_gl *gl;
-    const iso_pyramid *pyramid;
-    const bench_render_options *opt;
-    uint8_t *levels;
-} level_comparison;
-
-/* Draws a whole level, at the same step in mm. */
-static iso_status draw_level(const level_comparison *c, const iso_node_levels *n, const iso_view *view, size_t k,
-                             iso_image *image, iso_error *err)
-{
-    iso_gl *gl = c->gl;
-    const iso_pyramid *p = c->pyramid;
-    const double step_voxels = c->opt->step_voxels;
-    uint8_t *levels = c->levels;
-    if (!n) {
-        iso_gl_options options = iso_gl_defaults();
-        options.step_voxels = ldexp(step_voxels, -(int)k);
-        return iso_gl_render(gl, &p->levels[k], p->options.code, view, &options, image, err);
-    }
-    const iso_brick_field f = {.nodes = n, .levels = levels, .faces = ISO_FACES_BAKED};
-    iso_gl_brick_options options = iso_gl_brick_defaults();
-    options.step_voxels = step_voxels;
-    memset(levels, (int)k, iso_brick_count(n));
-    return iso_gl_render_bricks(gl, &f, view, &options, image, NULL, err);
-}
-
-static void report_level(const iso_cli *cli, bench_tf tf, size_t k, const iso_metrics m[LEVEL_KINDS], json_t *cases)
-{
-    for (int i = 0; i < LEVEL_KINDS; ++i)
-        json_array_append_new(cases, json_pack("{s:s, s:I, s:s, s:f, s:f}", "tf", iso_bench_tf_names[tf], "level",
-                                               (json_int_t)k, "made", level_kind_names[i], "rmse", m[i].rmse, "ssim",
-                                               m[i].ssim));
-    if (cli->json)
-        return;
-    printf("%-8s %5zu", iso_bench_tf_names[tf], k);
-    for (int i = 0; i < LEVEL_KINDS; ++i)
-        printf("   %.5f %.4f ", m[i].rmse, m[i].ssim);
-    printf("\n");
-}
-
-/* Computes RMSE and SSIM of all kinds to level 0, for one TF; nodes[LEVEL_CELLS] is NULL. */
-static iso_status compare_levels(const level_comparison *c, const iso_node_levels *const nodes[LEVEL_KINDS],
-                                 bench_tf tf, json_t *cases, iso_error *err)
-{
-    const iso_pyramid *p = c->pyramid;
-    iso_scene scene = iso_bench_scene(c->opt, tf, GRADIENTS_CODES);
-    const iso_level *level = &p->levels[0];
-    iso_view view;
-    iso_image exact = {0};
-    iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);
-    if (status != ISO_OK)
-        return status;
-    status = draw_level(c, NULL, &view, 0, &exact, err);
-    for (size_t k = 1; k < p->level_count && k < nodes[LEVEL_SHARP]->level_count && status == ISO_OK; ++k) {
-        iso_metrics m[LEVEL_KINDS];
-        for (int i = 0; i < LEVEL_KINDS && status == ISO_OK; ++i) {
-            iso_image image = {0};
-            status = draw_level(c, nodes[i], &view, k, &image, err);
-            TRY(status, iso_metrics_measure(&image, &exact, &m[i], err));
-            iso_image_destroy(&image);
-        }
-        if (status == ISO_OK)
-            report_level(c->cli, tf, k, m, cases);
-    }
-    iso_image_destroy(&exact);
-    iso_view_destroy(&view);
-    return status;
-}
-
-static iso_status compare_nodes_with_cells(const level_comparison *c, const iso_node_levels *sharp, json_t *root,
-                                           iso_error *err)
-{
-    const iso_cli *cli = c->cli;
-    const iso_pyramid *p = c->pyramid;
-    json_t *cases = json_array();
-    iso_node_levels smooth = {0}, from_cells = {0};
-    const iso_node_levels *const nodes[LEVEL_KINDS] = {NULL, &smooth, sharp, &from_cells};
-    iso_status status = iso_node_levels_create_by(&smooth, &p->levels[0],
-                                                  &(iso_node_options){sharp->brick_voxels, sharp->level_count,
-                                                                      ISO_NODES_SMOOTH, true, cli->threads},
-                                                  err);
-    TRY(status,
-        iso_node_levels_create_from_cells(&from_cells, p, sharp->brick_voxels, sharp->level_count, cli->threads, err));
-    if (!cli->json) {
-        printf("\nwhole levels against level 0, shaded: RMSE and SSIM\n%-8s %5s", "tf", "level");
-        for (int i = 0; i < LEVEL_KINDS; ++i)
-            printf(" %16s", level_kind_names[i]);
-        printf("\n");
-    }
-    for (int tf = 0; tf < TF_COUNT && status == ISO_OK; ++tf)
-        status = compare_levels(c, nodes, (bench_tf)tf, cases, err);
-    json_object_set_new(root, "accuracy", cases);
-    iso_node_levels_destroy(&smooth);
-    iso_node_levels_destroy(&from_cells);
-    return status;
-}
-
-static iso_status check_transition(const char *name, iso_error *err)
-{
-    bool known = !name;
-    for (int t = 1; t < TEXTURE_COUNT; ++t)
-        known = known || strcmp(name, transition_names[t]) == 0;
-    return known ? ISO_OK
-                 : iso_fail(err, ISO_E_USAGE,
-                            "--transition is \"%s\", must be discontinuous, baked, centers-discontinuous, "
-                            "paper or paper-corrected",
-                            name);
 }
 
 iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,
                             iso_error *err)
 {
-    const size_t side = (size_t)opt->bricks;
     iso_node_levels n;
-    bench_fields fields = {.pyramid = p};
-    iso_status status = check_transition(opt->transition, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_node_levels_create(&n, &p->levels[0], side, opt->bricks < 8 ? 2 : BENCH_LEVELS, true, cli->threads,
-                                    err);
+    iso_status status = iso_node_levels_create(&n, &p->levels[0], (size_t)opt->bricks,
+                                               opt->bricks < 8 ? 2 : BENCH_LEVELS, true, cli->threads, err);
     if (status != ISO_OK)
         return status;
     iso_node_levels_round(&n);
-    status = iso_warp_field_of_level(&fields.centers, &p->levels[0], p->options.code, side, err);
-    size_t count[3] = {iso_warp_bricks(&fields.centers, 0), iso_warp_bricks(&fields.centers, 1),
-                       iso_warp_bricks(&fields.centers, 2)};
-    uint8_t *levels = malloc((iso_brick_count(&n) + count[0] * count[1] * count[2]));
-    if (status == ISO_OK && !levels)
+    uint8_t *levels = malloc(iso_brick_count(&n));
+    if (!levels)
         status = iso_fail(err, ISO_E_MEMORY, "no memory for %zu bricks", iso_brick_count(&n));
     if (status == ISO_OK) {
-        uint8_t *of_centers = levels + iso_brick_count(&n);
-        const double transition = fill_quarter(n.count, levels);
-        fill_quarter(count, of_centers);
-        fields.nodes = (iso_brick_field){.nodes = &n, .levels = levels};
-        fields.centers.levels = of_centers;
+        const iso_brick_field nodes = {.nodes = &n, .levels = levels};
         json_t *root = iso_cli_json(cli);
-        status = run_brick_cases(cli, gl, &fields, transition, opt, root, err);
-        if (status == ISO_OK && !opt->transition)
-            status = compare_nodes_with_cells(&(level_comparison){cli, gl, p, opt, levels}, &n, root, err);
+        status = run_brick_cases(cli, gl, p, &nodes, iso_bench_fill_quarter(n.count, levels), opt, root, err);
         if (cli->json && status == ISO_OK)
             iso_cli_print_json(root);
         else
             json_decref(root);
     }
     free(levels);
-    iso_warp_field_destroy(&fields.centers);
     iso_node_levels_destroy(&n);
     return status;
 }

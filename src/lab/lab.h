@@ -25,6 +25,7 @@
     X(reference) \
     X(roi) \
     X(seams) \
-    X(tf)
+    X(tf) \
+    X(transitions)
 
 #endif

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "brick/bricks.h"
-#include "brick/warp.h"
+#include "lab/warp.h"
 #include "image/image.h"
 
 enum { BRICK = 8, SIDE = 3, VOXELS = BRICK * SIDE };

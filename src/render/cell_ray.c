@@ -124,7 +124,7 @@ void iso_cell_directions(const iso_cell_scene *c, const size_t voxel[8], const i
 
 bool iso_cell_scene_is_for(const iso_sampler *s, const iso_view *view)
 {
-    if (s->bricks || s->warp || view->roi || view->tf_2d || view->extinction_scale)
+    if (s->bricks || view->roi || view->tf_2d || view->extinction_scale)
         return false;
     if (!iso_view_is_lit(view))
         return true;

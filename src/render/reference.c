@@ -155,7 +155,7 @@ static iso_status find_empty_space(picture *p, iso_error *err)
 {
     const iso_sampler *s = p->layers[0].sampler;
     const iso_roi *roi = p->view->roi;
-    if (s->bricks || s->warp || p->opt->emitter || p->opt->plain || p->opt->quadrature == ISO_QUADRATURE_FIRST_HIT ||
+    if (s->bricks || p->opt->emitter || p->opt->plain || p->opt->quadrature == ISO_QUADRATURE_FIRST_HIT ||
         p->opt->quadrature == ISO_QUADRATURE_PREINTEGRATED)
         return ISO_OK;
     double lo[3], hi[3];
@@ -245,17 +245,4 @@ iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_
         return status;
     iso_sampler_of_bricks(&sampler, bricks, &level);
     return render_all(&sampler, NULL, view, opt, image, progress, err);
-}
-
-iso_status iso_reference_render_warp(const iso_warp_field *field, const iso_level *level, const iso_view *view,
-                                     const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
-                                     iso_error *err)
-{
-    const iso_sampler sampler = {.level = level, .source = ISO_FROM_FLOAT, .warp = field};
-    *image = (iso_image){0};
-    iso_status status = check_options(view, opt, err);
-    if (status == ISO_OK &&
-        (view->tf_2d || view->extinction_scale || view->roi || field->channels != ISO_WARP_CHANNELS))
-        status = iso_fail(err, ISO_E_RANGE, "reference: warped bricks need four channels and one table");
-    return status == ISO_OK ? render_all(&sampler, NULL, view, opt, image, progress, err) : status;
 }

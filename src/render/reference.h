@@ -22,7 +22,6 @@
 
 #include "base/progress.h"
 #include "brick/bricks.h"
-#include "brick/warp.h"
 #include "image/image.h"
 #include "scene/field.h"
 #include "scene/scene.h"
@@ -90,11 +89,5 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
 iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_view *view,
                                        const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                                        iso_error *err);
-
-/* Renders bricks of four channels with the transitions of [beyer-2008]. level: the field's level, for geometry and
- * range. */
-iso_status iso_reference_render_warp(const iso_warp_field *field, const iso_level *level, const iso_view *view,
-                                     const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
-                                     iso_error *err);
 
 #endif

@@ -90,12 +90,9 @@ void iso_sampler_destroy(iso_sampler *s)
 /* Samples all channels of bricks. False: the sampler is not on bricks. */
 static bool sample_bricks(const iso_sampler *s, iso_vec3 index, double channels[ISO_NODE_CHANNELS])
 {
-    _Static_assert(ISO_NODE_CHANNELS == ISO_WARP_CHANNELS, "both are a scalar and a direction");
     if (s->bricks)
         iso_brick_sample(s->bricks, index, channels);
-    else if (s->warp)
-        iso_warp_sample(s->warp, index, channels);
-    return s->bricks || s->warp;
+    return s->bricks;
 }
 
 /* The eight voxels around a point and their weights. */

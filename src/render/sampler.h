@@ -9,7 +9,6 @@
 #define ISO_SAMPLER_H
 
 #include "brick/bricks.h"
-#include "brick/warp.h"
 #include "scene/field.h"
 
 /* On-the-fly normals are g / sqrt(|g|^2 + e^2), e this part of the level's
@@ -29,7 +28,6 @@ typedef struct iso_sampler {
     iso_mat3 gradient_to_world;
     double on_the_fly_eps;         /* value per mm */
     const iso_brick_field *bricks; /* instead of the level's voxels; or NULL */
-    const iso_warp_field *warp;    /* the same, of four channels */
 } iso_sampler;
 
 /* Creates a sampler. ISO_E_RANGE if floats are requested and the level has none. */

@@ -21,7 +21,8 @@ struct iso_gl {
     EGLDisplay display;
     EGLContext context;
     iso_gl_info info;
-    char *shader_dir; /* or NULL: the embedded shaders */
+    char *shader_dir;       /* or NULL: the embedded shaders */
+    const char *transition; /* text that finds the places of bricks whose samples lie inside them; or NULL */
     GLint max_texture_size, max_texture_3d_size;
     bool is_llvmpipe; /* Mesa's software OpenGL: a fetch takes as long as its filter computes */
     GLuint vertex_array;

@@ -9,8 +9,6 @@
 #include "render/gl/gl_context.h"
 
 ISO_EMBED(iso_code_decode_glsl, "src/encode/code_decode.h");
-ISO_EMBED(iso_warp_map_glsl, "src/brick/warp_map.h");
-ISO_EMBED(iso_transition_glsl, "src/render/gl/shaders/transition.glsl");
 ISO_EMBED(iso_points_glsl, "src/render/gl/shaders/points.glsl");
 ISO_EMBED(iso_first_hit_glsl, "src/render/gl/shaders/first_hit.glsl");
 ISO_EMBED(iso_held_glsl, "src/render/gl/shaders/held.glsl");
@@ -31,9 +29,8 @@ static const struct {
     {"points.glsl", iso_points_glsl},
     {"probe.glsl", iso_probe_glsl},
     {"raycast.glsl", iso_raycast_glsl},
-    {"transition.glsl", iso_transition_glsl},
+    {"transition.h", ""}, /* iso_gl.transition */
     {"variants.h", iso_variants_glsl},
-    {"warp_map.h", iso_warp_map_glsl},
 };
 
 /* Reads a shader file from the shader folder, if one is set; otherwise returns the embedded text. The caller frees
@@ -45,6 +42,8 @@ static iso_status shader_text(const iso_gl *gl, const char *name, const char **t
     for (size_t i = 0; i < sizeof shader_files / sizeof *shader_files; ++i)
         if (strcmp(shader_files[i].name, name) == 0)
             *text = shader_files[i].text;
+    if (gl->transition && strcmp(name, "transition.h") == 0)
+        *text = gl->transition;
     if (!gl->shader_dir)
         return *text ? ISO_OK : iso_fail(err, ISO_E_MISSING, "gl: no shader is named '%s'", name);
     char *path = iso_path_join(gl->shader_dir, name);

@@ -18,7 +18,7 @@ typedef struct iso_gl_variant {
     int tf_2d_rows;         /* of a 2D transfer function; 0: it is 1D */
     int extinction_scale;   /* SCALE_... */
     size_t pages;           /* of the brick cache; 0: one */
-    const char *transition; /* a name of warp_map.h; NULL: bricks share the nodes of their faces */
+    const char *transition; /* value of TRANSITION for iso_gl.transition; NULL: bricks share the nodes of their faces */
 } iso_gl_variant;
 
 /* Returns OUTPUT_HIT_... of a surface, or OUTPUT_INTEGRAL for NULL. */

@@ -20,7 +20,7 @@
 //     TF_2D_ROWS                 rows of a 2D transfer function (tf_2d.h); 0: it is 1D
 //     EXTINCTION_SCALE           where its bytes are, a name of variants.h
 //     BRICKS, PAGES              a cache of bricks, and how many textures hold it
-//     TRANSITION                 with BRICKS whose samples lie inside them: transition.glsl; otherwise undefined
+//     TRANSITION                 with BRICKS whose samples lie inside them: transition.h; otherwise undefined
 //     FILTERED_BY_HAND           textures are filtered here, in float: where the texture unit weighs texels coarsely, or does
 //                                not filter floats (WebGL2 on some telephones); otherwise undefined
 // In WebGL2 es.glsl stands before this file: doubles are floats there, and the rests that they leave are 0.
@@ -243,7 +243,7 @@ vec3 brick_of(vec3 p) { return min(floor(clamp(p, vec3(0.0), held.last_node)), h
 vec4 layout_of(vec3 brick) { return textureLod(layout_of_bricks, (brick + 0.5) * held.layout_texel, 0.0); }
 
 #ifdef TRANSITION
-#include "transition.glsl"
+#include "transition.h"
 #else
 // Place of p in the cache for a brick whose closed box holds p; w is 0 if it is left out.
 vec4 address_in(vec3 brick, vec3 p)

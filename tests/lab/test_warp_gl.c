@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* The paper's transitions in GLSL: what the CPU has from the same definition, and continuous where that is. */
-#include "test.h"
-#include "gl.h"
+#include "tests/test.h"
+#include "tests/gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/random.h"
-#include "render/reference.h"
-#include "render/gl/warp_gl.h"
+#include "lab/warp_gl.h"
+#include "render/reference_ray.h"
 #include "volume/synthetic.h"
 
 #define BRICK 8
@@ -127,7 +127,7 @@ TEST(glsl_is_the_cpu_s_definition_in_every_configuration)
         corrected, apart, jumps, own_jumps);
     assert_at_most(corrected, FILTER);
     assert_at_most(apart, FILTER);
-    assert_int_equal(jumps, 172); /* those of tests/test_warp.c */
+    assert_int_equal(jumps, 172); /* those of tests/lab/test_warp.c */
     assert_int_equal(own_jumps, 254);
     destroy_noise(&n);
 }
@@ -173,6 +173,19 @@ static double difference(const iso_image *a, const iso_image *b, double *max)
     return sqrt(sum / (double)count);
 }
 
+/* The field as a medium of the reference. */
+static double emit(const iso_emitter *e, const iso_emitter_place *at, double color[3])
+{
+    double v[ISO_WARP_CHANNELS], rgbs[4], n[3];
+    iso_warp_sample(e->field, at->index, v);
+    iso_tf_lookup(&at->view->tf, v[0], rgbs);
+    iso_code_normal(v + 1, n);
+    const double scale = rgbs[3] * iso_shade(at->view, iso_v3(n[0], n[1], n[2]), at->to_viewer);
+    for (int c = 0; c < 3; ++c)
+        color[c] = scale * rgbs[c];
+    return rgbs[3];
+}
+
 TEST(images_agree_with_the_reference_in_every_mode)
 {
     iso_field kind = {.kind = ISO_FIELD_MARSCHNER_LOBB, .seed = 3};
@@ -203,11 +216,13 @@ TEST(images_agree_with_the_reference_in_every_mode)
         iso_gl_brick_options opt = iso_gl_brick_defaults();
         iso_image a, b;
         double max, rmse;
+        const iso_emitter medium = {emit, &f};
         exact.quadrature = ISO_QUADRATURE_MIDPOINT;
+        exact.emitter = &medium;
         opt.cache_bits = 32;
         f.mode = (iso_warp_mode)mode;
         assert_ok(iso_gl_render_warp(gl, &(iso_gl_warp){&f, level}, &view, &opt, &a, NULL, &err));
-        assert_ok(iso_reference_render_warp(&f, level, &view, &exact, &b, NULL, &err));
+        assert_ok(iso_reference_render(level, p.options.code, &view, &exact, &b, NULL, &err));
         rmse = difference(&a, &b, &max);
         printf("mode %d: RMSE %.1e, max %.1e\n", mode, rmse, max);
         /* As tests/test_bricks_gl.c: where the field jumps a sample may fall to the other side. */

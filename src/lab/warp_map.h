@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* warp_map.h - positions of fetches for the transitions of [beyer-2008], defined once
- * for C (brick/warp.c) and GLSL (shaders/transition.glsl). brick/warp.h describes the
+ * for C (lab/warp.c) and GLSL (shaders/transition.glsl). lab/warp.h describes the
  * two schemes and the reasons for them.
  *
  * GLSL: put this text after the #version line; it needs no definitions.

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* warp_gl.h - the ray caster on bricks with the transitions of [beyer-2008]
- * (brick/warp.h): on their own, as written, corrected. For comparison with bricks_gl.h.
+ * (lab/warp.h): on their own, as written, corrected. For comparison with bricks_gl.h.
  *
  * Cache as the paper has it: slots of (n + 2)^3 texels, one fine brick with its
  * border or eight coarse ones of (n / 2 + 1)^3; a layout texel and the 26
  * neighbors' bits a brick. As written the border is fixed up on upload and the
  * warped place fetched once; corrected, places in transition are fetched twice. */
-#ifndef ISO_GL_WARP_GL_H
-#define ISO_GL_WARP_GL_H
+#ifndef ISO_LAB_WARP_GL_H
+#define ISO_LAB_WARP_GL_H
 
-#include "brick/warp.h"
+#include "lab/warp.h"
 #include "render/gl/bricks_gl.h"
 
 /* A field, and the level whose field it is: for its geometry, range and culling. */

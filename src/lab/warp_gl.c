@@ -1,15 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-#include "render/gl/warp_gl.h"
+#define _GNU_SOURCE
+#include "lab/warp_gl.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/embed.h"
 #include "base/parallel.h"
 #include "brick/occupancy.h"
 #include "render/gl/gl_context.h"
 #include "render/gl/gl_uniforms.h"
 #include "render/gl/gl_variant.h"
+
+ISO_EMBED(iso_warp_map_glsl, "src/lab/warp_map.h");
+ISO_EMBED(iso_transition_glsl, "src/lab/transition.glsl");
 
 enum { UNIT_SCALAR, UNIT_TF, UNIT_DIRECTIONS, UNIT_OCCUPANCY, UNIT_LAYOUT, UNIT_NEIGHBORS, UNIT_POINTS };
 
@@ -271,6 +276,10 @@ static iso_status get_program(const warp_cache *c, const iso_view *view, GLuint 
                                                                  [ISO_WARP_WRITTEN] = "ISO_TRANSITION_WRITTEN",
                                                                  [ISO_WARP_CORRECTED] = "ISO_TRANSITION_CORRECTED"};
     const bool lit = c->shaded && view;
+    char *text = malloc(strlen(iso_warp_map_glsl) + strlen(iso_transition_glsl) + 1);
+    if (!text)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a shader");
+    strcpy(stpcpy(text, iso_warp_map_glsl), iso_transition_glsl);
     const iso_gl_variant variant = {
         .direction_source = SOURCE_VECTORS,
         .output = view ? iso_gl_output(c->opt->surface) : OUTPUT_POINTS,
@@ -281,7 +290,11 @@ static iso_status get_program(const warp_cache *c, const iso_view *view, GLuint 
         .filtered_by_hand = iso_gl_filters_by_hand(c->gl, c->opt->fast_filter),
         .transition = transitions[c->field->mode],
     };
-    return iso_gl_get_variant(c->gl, &variant, program, err);
+    c->gl->transition = text;
+    const iso_status status = iso_gl_get_variant(c->gl, &variant, program, err);
+    c->gl->transition = NULL;
+    free(text);
+    return status;
 }
 
 static iso_status draw(const warp_cache *c, const iso_view *view, double step_voxels, iso_image *image,

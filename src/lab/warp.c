@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "brick/warp.h"
+#include "lab/warp.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -13,7 +13,7 @@
 #define ISO_ABS(x) fabs(x)
 #define ISO_INT(x) ((int)(x))
 #define ISO_WARP_NEAR 1e-12
-#include "brick/warp_map.h"
+#include "lab/warp_map.h"
 
 /* ---- samples ------------------------------------------------------------------ */
 

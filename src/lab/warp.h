@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* warp.h - the smooth transitions of [beyer-2008], section 4, as in the paper and
- * corrected, for comparison with brick/bricks.h. brick/warp_map.h defines the positions
+ * corrected, for comparison with brick/bricks.h. lab/warp_map.h defines the positions
  * of their fetches for this module and for the shaders.
  *
  * Two levels. Fine samples are the voxel centers i + 1/2. Coarse ones are half-way
@@ -29,8 +29,8 @@
  *          and two fetches, one from each level's own samples. Continuous.
  *
  * The text of the paper does not state its figures' numbers; primitives follow its words. */
-#ifndef ISO_WARP_H
-#define ISO_WARP_H
+#ifndef ISO_LAB_WARP_H
+#define ISO_LAB_WARP_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The paper's transitions: continuous where it proves them to be, not everywhere; the corrected ones everywhere. */
-#include "test.h"
+#include "tests/test.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/random.h"
-#include "brick/warp.h"
+#include "lab/warp.h"
 
 /* Weights such as 1 / (1 - 2v) grow near the face, where they multiply what vanishes. */
 #define CONTINUOUS 1e-12

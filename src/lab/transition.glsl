@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
-// transition.glsl - bricks whose samples lie inside them, with the transitions of [beyer-2008] (brick/warp.h).
+// transition.glsl - bricks whose samples lie inside them, with the transitions of [beyer-2008] (lab/warp.h).
 //
-// TRANSITION (brick/warp_map.h): 0 none, so that bricks jump at their faces; 1 as the paper has it, one fetch; 2 corrected,
+// TRANSITION (lab/warp_map.h): 0 none, so that bricks jump at their faces; 1 as the paper has it, one fetch; 2 corrected,
 // two fetches. Positions p are bricks, as in raycast.glsl.
-
-#include "warp_map.h"
 
 uniform usampler3D coarse_neighbors; // 26 bits per brick; 0 for coarse ones
 uniform float brick_side;             // voxels of a brick of level 0
