@@ -32,7 +32,6 @@
 
 #include "base/names.h"
 #include "base/status.h"
-#include "encode/hole.h"
 
 /* The list of codes: row NAME is iso_code_NAME, defined next to its encoder; ISO_CODE_* are row numbers. */
 /* clang-format off */
@@ -70,9 +69,6 @@ typedef struct iso_code_info {
     /* Encodes rows of components into the low three bytes of a word each, for builds; NULL: not available. */
     void (*encode_rows)(const float *restrict x, const float *restrict y, const float *restrict z, size_t count,
                         uint32_t *restrict words);
-    /* Measures the largest hole, as iso_code_hole() of code_hole.h. */
-    iso_status (*hole)(const struct iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
-                       iso_error *err);
 } iso_code_info;
 
 extern const iso_names iso_code_names;

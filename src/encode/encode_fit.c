@@ -125,14 +125,6 @@ ISO_SIMD_ENCODER(iso_encode_free, free_lanes)
 
 /* ---- rows of the table of codes ------------------------------------------------------ */
 
-/* Considers the lengths within the window of the fit. */
-static iso_status fit_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
-                           iso_error *err)
-{
-    const iso_code_points points = {127, 0, 1, 127 - ISO_FIT_REACH, 127 + ISO_FIT_REACH};
-    return iso_code_hole_of_points(code, &points, tolerance_deg, hole, how, err);
-}
-
 const iso_code_info iso_code_fit = {
     .name = "fit",
     .summary = "signed bytes near the vector, with the best direction at almost its length",
@@ -144,15 +136,7 @@ const iso_code_info iso_code_fit = {
     .decoder = ISO_DECODER_LINEAR,
     .encode = iso_encode_fit,
     .encode_rows = iso_fit_rows,
-    .hole = fit_hole,
 };
-
-static iso_status shell_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
-                             iso_error *err)
-{
-    const iso_code_points points = {127, 0, 1, 127 * ISO_SHELL_MIN, 127};
-    return iso_code_hole_of_points(code, &points, tolerance_deg, hole, how, err);
-}
 
 const iso_code_info iso_code_shell = {
     .name = "shell",
@@ -163,7 +147,6 @@ const iso_code_info iso_code_shell = {
     .is_linear = true,
     .decoder = ISO_DECODER_LINEAR,
     .encode = iso_encode_shell,
-    .hole = shell_hole,
 };
 
 const iso_code_info iso_code_free = {
@@ -174,5 +157,4 @@ const iso_code_info iso_code_free = {
     .is_signed = true,
     .decoder = ISO_DECODER_UNIT,
     .encode = iso_encode_free,
-    .hole = iso_code_hole_of_signed,
 };

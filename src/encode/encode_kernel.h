@@ -27,11 +27,4 @@ ISO_ENCODER_LIST(ISO_ENCODER_DECLARE)
 
 void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, size_t count);
 
-/* Searches exhaustively in double precision over every lattice point that could be best for fit and for region48. Slow;
- * for tests of the encoders above. */
-void iso_encode_fit_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
-/* Finds the best fit with another mu (fit.h), the same for all lengths. */
-void iso_encode_fit_with_mu(double mu, const float *restrict directions, uint8_t *restrict bytes, size_t count);
-void iso_encode_region48_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
-
 #endif

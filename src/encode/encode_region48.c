@@ -34,7 +34,7 @@ ISO_INLINE v8f inverse_f(v8f y, v8f *slope)
 }
 
 /* Converts decoded barycentrics to those before the decoder, in place, by the S with
- * sum f^-1(S U_i) = 1 (encode_exact.c). Returns S. */
+ * sum f^-1(S U_i) = 1 (lab/codes/encode_exact.c). Returns S. */
 ISO_INLINE v8f transform(v8f *u, v8f *v, v8f *w)
 {
     v8f s = KAPPA + LAMBDA * (*u * *u + *v * *v + *w * *w), a, b, c;
@@ -146,5 +146,4 @@ const iso_code_info iso_code_region48 = {
     .is_textured = true,
     .decoder = ISO_DECODER_REGION48,
     .encode = iso_encode_region48,
-    .hole = iso_code_hole_of_unsigned,
 };

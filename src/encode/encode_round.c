@@ -6,7 +6,6 @@
 #include "encode/fit_rows.h"
 #include "encode/simd.h"
 
-static const double degree = 0.017453292519943295;
 
 /* ---- snorm: 127 d, rounded ---- */
 
@@ -22,14 +21,6 @@ ISO_INLINE void snorm_lanes(float *px, float *py, float *pz)
 
 ISO_SIMD_ENCODER(iso_encode_snorm, snorm_lanes)
 
-/* Bounds the hole by half a step in each component, all of it across. */
-static iso_status snorm_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
-                             iso_error *err)
-{
-    (void)code, (void)tolerance_deg, (void)err;
-    return iso_code_hole_of_rounding(sqrt(3) / 254, hole, how);
-}
-
 const iso_code_info iso_code_snorm = {
     .name = "snorm",
     .summary = "signed bytes of the vector itself, rounded",
@@ -41,7 +32,6 @@ const iso_code_info iso_code_snorm = {
     .decoder = ISO_DECODER_LINEAR,
     .encode = iso_encode_snorm,
     .encode_rows = iso_snorm_rows,
-    .hole = snorm_hole,
 };
 
 /* ---- cube: projected on the cube's surface, rounded to odd 255ths. Zero becomes 127.5,
@@ -59,7 +49,6 @@ ISO_INLINE void cube_lanes(float *px, float *py, float *pz)
 
 ISO_SIMD_ENCODER(iso_encode_cube, cube_lanes)
 
-/* The hole of the surface is that of all unsigned points, as the largest is at the axes. */
 const iso_code_info iso_code_cube = {
     .name = "cube",
     .summary = "projected on the cube and rounded; direction only",
@@ -67,7 +56,6 @@ const iso_code_info iso_code_cube = {
     .is_textured = true,
     .decoder = ISO_DECODER_UNIT,
     .encode = iso_encode_cube,
-    .hole = iso_code_hole_of_unsigned,
 };
 
 /* ---- oct24: 12 + 12 bits of the octahedral map, the best of the cell's four
@@ -126,40 +114,6 @@ static void oct24_lattice(const uint8_t *bytes, double e[3])
     e[2] = 0;
 }
 
-static iso_vec3 oct_corner(int u, int v)
-{
-    return iso_decode_oct(iso_v3(u / 4095.0, v / 4095.0, 0));
-}
-
-/* Returns the angular radius of the circle through three unit vectors. */
-static double circle_deg(iso_vec3 a, iso_vec3 b, iso_vec3 c)
-{
-    iso_vec3 ab = iso_sub(b, a), bc = iso_sub(c, b), ca = iso_sub(a, c);
-    double area2 = iso_norm(iso_cross(ab, ca));
-    return area2 > 0 ? asin(fmin(iso_norm(ab) * iso_norm(bc) * iso_norm(ca) / (2 * area2), 1)) / degree : 0;
-}
-
-/* Cuts each cell of the square lattice along the better diagonal. One eighth of the
- * square, u >= v >= -1, has an image of every cell. Cells at the square's edge have
- * duplicate corners (the fold), for which circle_deg returns no area and no hole. */
-static iso_status oct24_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
-                             iso_error *err)
-{
-    (void)code, (void)tolerance_deg, (void)err;
-    *how = "circles";
-    *hole = (iso_hole){0, {0, 0, 1}};
-    for (int u = -1; u < 4095; u += 2)
-        for (int v = -1; v <= u; v += 2) {
-            iso_vec3 p = oct_corner(u, v), q = oct_corner(u + 2, v), r = oct_corner(u, v + 2),
-                     s = oct_corner(u + 2, v + 2);
-            double one = fmax(circle_deg(p, q, r), circle_deg(q, r, s)),
-                   other = fmax(circle_deg(p, q, s), circle_deg(p, r, s));
-            if (fmin(one, other) > hole->radius_deg)
-                *hole = (iso_hole){fmin(one, other), iso_normalize(iso_add(iso_add(p, q), iso_add(r, s)))};
-        }
-    return ISO_OK;
-}
-
 const iso_code_info iso_code_oct24 = {
     .name = "oct24",
     .summary = "octahedral map, 12 + 12 bits, for nearest fetches; direction only",
@@ -167,7 +121,6 @@ const iso_code_info iso_code_oct24 = {
     .decoder = ISO_DECODER_OCT,
     .encode = iso_encode_oct24,
     .lattice = oct24_lattice,
-    .hole = oct24_hole,
 };
 
 /* ---- half: three half floats, little endian ---- */
@@ -208,14 +161,6 @@ static void half_lattice(const uint8_t *bytes, double e[3])
         e[a] = from_half(bytes + 2 * a);
 }
 
-/* Bounds the hole by 2^-11 of each component. */
-static iso_status half_hole(const iso_code_info *code, double tolerance_deg, iso_hole *hole, const char **how,
-                            iso_error *err)
-{
-    (void)code, (void)tolerance_deg, (void)err;
-    return iso_code_hole_of_rounding(0x1p-11, hole, how);
-}
-
 const iso_code_info iso_code_half = {
     .name = "half",
     .summary = "three half floats",
@@ -226,5 +171,4 @@ const iso_code_info iso_code_half = {
     .decoder = ISO_DECODER_LINEAR,
     .encode = iso_encode_half,
     .lattice = half_lattice,
-    .hole = half_hole,
 };

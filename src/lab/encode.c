@@ -13,9 +13,10 @@
 #include "lab/lab.h"
 #include "options/input.h"
 #include "lab/encode.h"
-#include "encode/code_error.h"
-#include "encode/code_hole.h"
+#include "lab/codes/code_error.h"
+#include "lab/codes/code_hole.h"
 #include "encode/encode_kernel.h"
+#include "lab/codes/encode_exact.h"
 
 /* Returns this thread's time, which other programs do not affect. */
 static double thread_seconds(void)

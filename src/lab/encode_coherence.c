@@ -8,8 +8,9 @@
 #include "base/json.h"
 #include "base/random.h"
 #include "lab/encode.h"
-#include "encode/code_error.h"
+#include "lab/codes/code_error.h"
 #include "encode/encode_kernel.h"
+#include "lab/codes/encode_exact.h"
 
 static const double apart_deg[] = {15, 60};
 enum { APART_COUNT = sizeof apart_deg / sizeof apart_deg[0] };

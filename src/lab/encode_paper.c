@@ -9,10 +9,10 @@
 #include "base/random.h"
 #include "lab/encode.h"
 #include "report/gnuplot.h"
-#include "encode/code_error.h"
-#include "encode/code_hole.h"
+#include "lab/codes/code_error.h"
+#include "lab/codes/code_hole.h"
 #include "encode/decode_double.h"
-#include "encode/region48.h"
+#include "lab/codes/region48.h"
 
 static const double degree = 0.017453292519943295;
 

@@ -2,7 +2,7 @@
 /* paper_code_table.c - the table of the encoder of [diaz-garcia-2017], its Figure 13. */
 #include <math.h>
 
-#include "encode/encode_paper.h"
+#include "lab/codes/paper_table.h"
 #include "figure/paper.h"
 #include "lab/figure/paper_dots.h"
 #include "lab/figure/paper_drawing.h"

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "encode/hole.h"
+#include "lab/codes/hole.h"
 
 /* Returns m, the largest component of lattice points: -m to m for signed codes, only odd numbers for unsigned ones. */
 static long largest(bool is_signed, int bits)

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* encode_exact.c - exhaustive searches for the best codes in double precision. */
+#include "lab/codes/encode_exact.h"
+
 #include <math.h>
 
 #include "encode/decode_double.h"
-#include "encode/encode_kernel.h"
 #include "encode/fit.h"
-#include "encode/region48.h"
+#include "lab/codes/region48.h"
 
 /* ---- fit ---- */
 

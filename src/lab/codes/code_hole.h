@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* code_hole.h - the largest hole of each code: the largest angle from any direction
  * to the nearest one that the code can represent (hole.h). */
-#ifndef ISO_CODE_HOLE_H
-#define ISO_CODE_HOLE_H
+#ifndef ISO_LAB_CODE_HOLE_H
+#define ISO_LAB_CODE_HOLE_H
 
 #include "encode/code.h"
-#include "encode/hole.h"
+#include "lab/codes/hole.h"
 
 /* Measures the largest hole. *how is the method:
  *   exact    branch and bound over all directions of the code

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "encode/hole.h"
+#include "lab/codes/hole.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -7,12 +7,12 @@
  * voxel t = 0. Means are over random directions (and t uniform in [0, 1]). The maximum
  * is found by a climb from the worst of these: some probe attains it, so it is a lower
  * bound of the true maximum. */
-#ifndef ISO_CODE_ERROR_H
-#define ISO_CODE_ERROR_H
+#ifndef ISO_LAB_CODE_ERROR_H
+#define ISO_LAB_CODE_ERROR_H
 
 #include "base/linalg.h"
 #include "encode/code.h"
-#include "encode/encode_paper.h"
+#include "lab/codes/paper_table.h"
 
 /* An encoder to measure: the code's own, another one for it, or the paper's table. */
 typedef struct iso_scheme {

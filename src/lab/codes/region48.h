@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* region48.h - parts shared by the double-precision encoders of region48. */
-#ifndef ISO_ENCODE_REGION48_H
-#define ISO_ENCODE_REGION48_H
+#ifndef ISO_LAB_REGION48_H
+#define ISO_LAB_REGION48_H
 
 #include <math.h>
 #include <stdint.h>

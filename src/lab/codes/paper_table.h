@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_paper.h - the encoder of code region48 as in [diaz-garcia-2017] section 4.3:
+/* paper_table.h - the encoder of code region48 as in [diaz-garcia-2017] section 4.3:
  * the transform T from a table, then a linear search along the transformed direction.
  * Kept to reproduce the paper's tables 3 and 4; the code's own encoder
  * (encode_region48.c) needs no table and finds the same codes. */
-#ifndef ISO_ENCODE_PAPER_H
-#define ISO_ENCODE_PAPER_H
+#ifndef ISO_LAB_PAPER_TABLE_H
+#define ISO_LAB_PAPER_TABLE_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -12,8 +12,8 @@
  * distance(q) + rho. Triangles are cut in four until this is below the largest distance
  * found plus the tolerance. The result is attained, and at most the tolerance below the
  * supremum. */
-#ifndef ISO_HOLE_H
-#define ISO_HOLE_H
+#ifndef ISO_LAB_HOLE_H
+#define ISO_LAB_HOLE_H
 
 #include <stddef.h>
 

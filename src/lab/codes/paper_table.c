@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "encode/encode_paper.h"
+#include "lab/codes/paper_table.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "encode/decode_double.h"
-#include "encode/region48.h"
+#include "lab/codes/region48.h"
 
 iso_status iso_paper_table_create(size_t size, iso_paper_table *table, iso_error *err)
 {

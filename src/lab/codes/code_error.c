@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "encode/code_error.h"
+#include "lab/codes/code_error.h"
 
 #include <math.h>
 #include <stdlib.h>
