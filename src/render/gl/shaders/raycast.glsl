@@ -20,7 +20,7 @@
 //     TF_2D_ROWS                 rows of a 2D transfer function (tf_2d.h); 0: it is 1D
 //     EXTINCTION_SCALE           where its bytes are, a name of variants.h
 //     BRICKS, PAGES              a cache of bricks, and how many textures hold it
-//     TRANSITION                 with BRICKS whose samples lie inside them: transition.h; otherwise undefined
+//     TRANSITION                 with BRICKS whose samples lie inside them (isoshade-lab); otherwise undefined
 //     FILTERED_BY_HAND           textures are filtered here, in float: where the texture unit weighs texels coarsely, or does
 //                                not filter floats (WebGL2 on some telephones); otherwise undefined
 // In WebGL2 es.glsl stands before this file: doubles are floats there, and the rests that they leave are 0.
