@@ -10,7 +10,7 @@
 #include "lab/lab.h"
 #include "lab/volumes.h"
 #include "compare/metrics.h"
-#include "compare/quartiles.h"
+#include "lab/quartiles.h"
 #include "render/image_bound.h"
 #include "renderers/renderers.h"
 #include "scene/views.h"

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "compare/quartiles.h"
+#include "lab/quartiles.h"
 
 enum { METRICS = 3 };
 static const struct {

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "compare/quartiles.h"
+#include "lab/quartiles.h"
 #include "compare/ssim.h"
 
 enum { FIGURES = ISO_LEVEL_CASE_FIGURES, MOST_LEVELS = 16, WORST = 3 };

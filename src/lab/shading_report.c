@@ -9,7 +9,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "compare/quartiles.h"
+#include "lab/quartiles.h"
 #include "compare/ssim.h"
 
 static const char *const block_names[ISO_SHADING_BLOCKS] = {"volumes of the set", "analytic volumes of the set",

@@ -8,7 +8,7 @@
 
 #include "base/random.h"
 #include "lab/shading_error.h"
-#include "compare/quartiles.h"
+#include "lab/quartiles.h"
 
 static iso_gl *gl;
 

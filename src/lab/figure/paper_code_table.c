@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "lab/codes/paper_table.h"
-#include "figure/paper.h"
+#include "lab/figure/paper_own.h"
 #include "lab/figure/paper_dots.h"
 #include "lab/figure/paper_drawing.h"
 #include "lab/figure/paper_kinds.h"

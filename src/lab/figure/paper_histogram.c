@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "figure/paper.h"
+#include "lab/figure/paper_own.h"
 #include "lab/figure/paper_kinds.h"
 #include "tf/histogram.h"
 #include "volume/synthetic.h"

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "figure/paper.h"
+#include "lab/figure/paper_own.h"
 #include "lab/figure/paper_bricks.h"
 #include "lab/figure/paper_kinds.h"
 #include "figure/sheet.h"

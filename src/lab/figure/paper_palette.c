@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "compare/metrics.h"
-#include "figure/paper.h"
+#include "lab/figure/paper_own.h"
 #include "lab/figure/paper_kinds.h"
 #include "lab/figure/paper_wing.h"
 #include "lab/rivals/palettes.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "compare/quartiles.h"
+#include "lab/quartiles.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* quartiles.h - summary of a list of ratios: one case of a hundred can move their geometric mean, not their median. */
-#ifndef ISO_QUARTILES_H
-#define ISO_QUARTILES_H
+#ifndef ISO_LAB_QUARTILES_H
+#define ISO_LAB_QUARTILES_H
 
 #include <stddef.h>
 
