@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_view.c - writes a volume as a page to look at, and to choose transfer function, camera and level. */
 #define _GNU_SOURCE
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,11 +9,11 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/provenance.h"
-#include "cli/view_plan.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
 #include "options/visible.h"
+#include "plan/planned.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 #include "view/viewer.h"
@@ -26,6 +27,51 @@ typedef struct view_arguments {
     int level, levels, floats, adapted, errors;
     double most;
 } view_arguments;
+
+/* The plan file of --plan. */
+typedef struct view_plan {
+    iso_planned planned;
+    iso_view view; /* view of the scene; the plan must be for its transfer function */
+    iso_viewer_plan page;
+} view_plan;
+
+/* Reads the planner's predicted and measured errors, which other plans may omit. */
+static iso_status read_errors(const char *path, iso_viewer_plan *page, iso_error *err)
+{
+    json_t *root = NULL;
+    const iso_status status = iso_json_load(path, &root, err);
+    const char *const keys[] = {"predicted_rmse", "measured_rmse"};
+    double *const values[] = {&page->predicted_rmse, &page->measured_rmse};
+    for (int i = 0; i < 2; ++i) {
+        const json_t *value = json_object_get(root, keys[i]);
+        *values[i] = json_is_number(value) ? json_number_value(value) : NAN;
+    }
+    json_decref(root);
+    return status;
+}
+
+/* Opens a plan. ISO_E_RANGE: it is for another volume or transfer function. Close it in any case. */
+static iso_status open_plan(view_plan *plan, const char *path, const iso_viewer *v, iso_error *err)
+{
+    *plan = (view_plan){.page = {.name = iso_provenance_title(path)}};
+    const iso_level *level0 = &v->pyramid->levels[0];
+    iso_status status = iso_scene_resolve(v->scene, &level0->geometry, iso_pyramid_lo(v->pyramid),
+                                          iso_pyramid_hi(v->pyramid), &plan->view, err);
+    if (status == ISO_OK)
+        status = iso_planned_create(path, &(iso_planned_subject){level0, v->codes[0], &plan->view.tf, 1}, v->threads,
+                                    &plan->planned, err);
+    TRY(status, read_errors(path, &plan->page, err));
+    plan->page.nodes = &plan->planned.nodes;
+    plan->page.levels = plan->planned.plan.levels;
+    plan->page.drawn = plan->planned.plan.drawn;
+    return status;
+}
+
+static void close_plan(view_plan *plan)
+{
+    iso_planned_destroy(&plan->planned);
+    iso_view_destroy(&plan->view);
+}
 
 static iso_status take_codes(const view_arguments *a, const iso_pyramid_options *build, iso_viewer *v, iso_error *err)
 {
@@ -165,7 +211,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
                     .threads = cli->threads, .title = iso_provenance_title(path), .input = input,
                     .folder = is_pyramid ? path : NULL};
     iso_viewer_size size;
-    iso_view_plan plan = {.page = {.name = NULL}};
+    view_plan plan = {.page = {.name = NULL}};
     iso_status status = check(a, err);
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     build.threads = cli->threads;
@@ -184,13 +230,13 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     if (status == ISO_OK && a->plan)
         status = iso_subject_refuse_labels(&pyramid, path, "a plan", err);
     if (status == ISO_OK && a->plan) {
-        status = iso_view_plan_open(&plan, a->plan, &v, err);
+        status = open_plan(&plan, a->plan, &v, err);
         v.plan = &plan.page;
     }
     TRY(status, iso_viewer_save(&v, a->output, &progress, &size, err));
     if (status == ISO_OK)
         report(a, cli, &v, &size);
-    iso_view_plan_close(&plan);
+    close_plan(&plan);
     iso_scene_destroy(&scene);
     iso_pyramid_destroy(&pyramid);
     free(input);
