@@ -20,6 +20,9 @@ for v in u8 f32 i16; do
     whole $v.iso $v.exr >/dev/null
     check "${v}_in_pages_is_the_same_picture" paged $v.iso paged_$v.exr 3 --json
     check "${v}_to_the_last_bit" equal paged_$v.exr $v.exr
+    # Of a volume, the bricks that rays look into are made from its samples.
+    whole $v.nrrd made_$v.exr >/dev/null
+    check "${v}_of_the_volume_too" equal made_$v.exr $v.exr
 done
 check one_thread_draws_it paged u8.iso one.exr 3 --threads 1
 check the_same_bits_by_one_thread equal one.exr u8.exr

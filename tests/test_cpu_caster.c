@@ -9,6 +9,9 @@
 #include <string.h>
 
 #include "fit/extinction_scale.h"
+#include "brick/occupancy.h"
+#include "pyramid/narrow.h"
+#include "render/cpu/cast_bricks.h"
 #include "render/cpu/caster.h"
 #include "render/reference.h"
 
@@ -25,24 +28,36 @@ typedef struct volume_case {
     bool labels;
 } volume_case;
 
-static iso_pyramid make_pyramid(const volume_case *of)
+static iso_volume make_volume(const volume_case *of)
 {
     const double c = cos(0.5), s = sin(0.5), d = cos(0.3), e = sin(0.3), h[3] = {1, 0.8, 1.7};
     const double rotation[3][3] = {{c, -s, 0}, {d * s, d * c, -e}, {e * s, e * c, d}};
     iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = {.origin_mm = {-17, 5, 40}}, .seed = 3};
-    OWNED(iso_volume) v;
-    iso_pyramid p;
-    iso_pyramid_options opt = iso_pyramid_defaults();
+    iso_volume v;
     for (int a = 0; a < 3; ++a) {
         field.geometry.size[a] = of->size[a];
         field.geometry.box_index[a] = (double)of->size[a];
         for (int row = 0; row < 3; ++row)
             field.geometry.index_to_world.m[row][a] = rotation[row][a] * h[a];
     }
+    assert_ok(iso_field_sample(&field, of->type, &v, &err));
+    return v;
+}
+
+static iso_pyramid_options options_of(const volume_case *of)
+{
+    iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 1;
     opt.code = of->code;
     opt.keep_float = true;
-    assert_ok(iso_field_sample(&field, of->type, &v, &err));
+    return opt;
+}
+
+static iso_pyramid make_pyramid(const volume_case *of)
+{
+    const iso_pyramid_options opt = options_of(of);
+    OWNED(iso_volume) v = make_volume(of);
+    iso_pyramid p;
     assert_ok(iso_pyramid_build(&v, "noise", &opt, &p, NULL, &err));
     p.levels[0].labels = of->labels;
     return p;
@@ -287,6 +302,114 @@ TEST(it_has_2d_transfer_functions_and_extinction_scales)
     tf->bytes = bytes;
     view.tf_2d = tf;
     expect_picture(&p, &view, ISO_FROM_CODES, "a 2D transfer function");
+}
+
+/* Bricks that are made from samples when a ray looks into them. */
+static void a_part_has_the_picture_of_the_whole(const volume_case *of, iso_gradient_method estimator, bool is_lit)
+{
+    iso_volume v = make_volume(of);
+    OWNED(iso_pyramid) whole = {0}, part = {0};
+    iso_pyramid_options build = options_of(of);
+    iso_cpu_options opt = iso_cpu_defaults();
+    build.gradient.method = estimator;
+    assert_ok(iso_pyramid_build(&v, "noise", &build, &whole, NULL, &err));
+    assert_ok(iso_pyramid_begin(&v, "noise", &build, &part, &err));
+    assert_null(part.levels[0].scalar);
+    assert_null(part.levels[0].codes);
+    OWNED(iso_view) view = make_view(&whole, false);
+    if (!is_lit)
+        view.shading.diffuse = view.shading.specular = 0;
+    assert_int_equal(iso_view_is_lit(&view), is_lit);
+    OWNED(iso_image) image = draw(&whole, &view, opt);
+    for (int skip = ISO_CPU_SKIP_AUTO; skip <= ISO_CPU_SKIP_ALWAYS; ++skip) {
+        opt.skip = (iso_cpu_skip)skip;
+        opt.threads = 1 + skip;
+        opt.width = skip ? ISO_CPU_ONE : ISO_CPU_WIDEST;
+        expect_same_bits(&part, &view, opt, &image, iso_type_name(of->type));
+    }
+    /* Another sample is seen. */
+    const size_t middle = iso_geometry_voxel_count(&part.volume->geometry) / 2 + of->size[0] / 2;
+    memset((char *)part.volume->data + middle * iso_type_bytes(of->type), 0, 3 * iso_type_bytes(of->type));
+    OWNED(iso_image) other = draw(&part, &view, opt);
+    assert_memory_not_equal(image.rgba, other.rgba, 4 * image.width * image.height * sizeof(float));
+}
+
+TEST(bricks_that_are_made_for_rays_have_the_same_bits)
+{
+    static const volume_case cases[] = {{ISO_U8, ISO_CODE_FIT, {35, 18, 50}, false},
+                                        {ISO_I16, ISO_CODE_FIT, {17, 33, 16}, false},
+                                        {ISO_F32, ISO_CODE_REGION48, {40, 21, 19}, false},
+                                        {ISO_I32, ISO_CODE_FIT, {5, 40, 3}, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+        for (int is_lit = 0; is_lit < 2; ++is_lit)
+            a_part_has_the_picture_of_the_whole(
+                &cases[i], (iso_gradient_method)((i + (size_t)is_lit) % ISO_GRADIENT_COUNT), is_lit);
+}
+
+TEST(a_part_becomes_the_whole)
+{
+    const volume_case of = {ISO_U16, ISO_CODE_FIT, {12, 9, 7}, false};
+    const iso_pyramid_options opt = options_of(&of);
+    iso_volume v = make_volume(&of);
+    OWNED(iso_pyramid) whole = make_pyramid(&of), part = {0};
+    assert_ok(iso_pyramid_begin(&v, "noise", &opt, &part, &err));
+    assert_null(v.data);
+    iso_cpu_options without = iso_cpu_defaults();
+    OWNED(iso_view) view = make_view(&whole, false);
+    iso_image image;
+    without.source = ISO_FROM_FLOAT;
+    assert_status(iso_cpu_render(&part.levels[0], opt.code, &view, &without, &image, &err), ISO_E_RANGE);
+    assert_ok(iso_pyramid_complete(&part, NULL, &err));
+    const size_t count = iso_geometry_voxel_count(&whole.levels[0].geometry);
+    assert_memory_equal(part.levels[0].scalar, whole.levels[0].scalar, count * sizeof(float));
+    assert_memory_equal(part.levels[0].codes, whole.levels[0].codes, 3 * count);
+    assert_true(part.levels[0].min == whole.levels[0].min && part.levels[0].max == whole.levels[0].max);
+}
+
+/* A cell shows if its eight values reach what the transfer function shows. */
+static size_t wrong_cells(const iso_pyramid *p, const iso_tf_table *tf, const iso_cast_blocks *b)
+{
+    const size_t *n = p->levels[0].geometry.size;
+    size_t wrong = 0, at[3];
+    for (at[2] = 0; at[2] <= n[2]; ++at[2])
+        for (at[1] = 0; at[1] <= n[1]; ++at[1])
+            for (at[0] = 0; at[0] <= n[0]; ++at[0]) {
+                float min = INFINITY, max = -INFINITY;
+                for (size_t i = 0; i < 8; ++i) {
+                    size_t v = 0;
+                    for (int a = 2; a >= 0; --a)
+                        v = v * n[a] + iso_cast_inner(at[a] + (i >> a & 1), n[a]);
+                    min = fminf(min, p->levels[0].scalar[v]);
+                    max = fmaxf(max, p->levels[0].scalar[v]);
+                }
+                const size_t block = at[0] / 4 + b->count[0] * (at[1] / 4 + b->count[1] * (at[2] / 4));
+                const size_t bit = at[0] % 4 + 4 * (at[1] % 4) + 16 * (at[2] % 2);
+                const bool shows = b->cells[2 * block + at[2] / 2 % 2] >> bit & 1;
+                wrong += shows != iso_tf_shows(tf, (double)min, (double)max);
+            }
+    return wrong;
+}
+
+/* Of transfer functions with one and with two ranges of visible values, at the ends and inside. */
+TEST(cells_show_what_their_values_reach)
+{
+    static const double opacities[][5] = {{0, 0, 1, 1, 1}, {1, 1, 0, 0, 0}, {0, 1, 0, 0, 0}, {1, 0, 0, 1, 1},
+                                          {0, 1, 0, 1, 0}, {0, 0, 0, 0, 0}, {1, 1, 1, 1, 1}};
+    static const volume_case cases[] = {{ISO_U8, ISO_CODE_FIT, {18, 9, 7}, false},
+                                        {ISO_F32, ISO_CODE_FIT, {4, 11, 10}, false}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
+        OWNED(iso_pyramid) p = make_pyramid(&cases[c]);
+        for (size_t t = 0; t < sizeof opacities / sizeof *opacities; ++t) {
+            OWNED(iso_view) view = make_view(&p, false);
+            OWNED(iso_cast_blocks) blocks;
+            for (size_t i = 0; i < view.tf.count; ++i)
+                view.tf.entries[4 * i + 3] = (float)opacities[t][5 * i / view.tf.count];
+            assert_ok(iso_cast_blocks_create(&blocks, &p.levels[0], &view.tf, 2, &err));
+            assert_int_equal(wrong_cells(&p, &view.tf, &blocks), 0);
+            blocks.cells[0] ^= 1;
+            assert_int_equal(wrong_cells(&p, &view.tf, &blocks), 1);
+        }
+    }
 }
 
 /* Planted: a volume that stands a thousandth of a voxel off, and a step that is a thousandth longer, are far beyond the

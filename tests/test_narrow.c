@@ -128,6 +128,42 @@ TEST(codes_of_a_box_are_those_of_the_level)
     }
 }
 
+/* Of each estimator; boxes have at most `SIDE` voxels along each axis. */
+TEST(codes_of_small_boxes_are_those_of_the_level)
+{
+    enum { SIDE = 9 };
+    static const size_t boxes[][2][3] = {{{0, 0, 0}, {9, 9, 9}},     {{0, 0, 0}, {1, 1, 1}},
+                                         {{17, 31, 8}, {9, 9, 9}},   {{141, 31, 21}, {9, 9, 9}},
+                                         {{50, 20, 28}, {3, 1, 2}},  {{149, 39, 29}, {1, 1, 1}}};
+    for (int method = 0; method < ISO_GRADIENT_COUNT; ++method) {
+        fixture f;
+        iso_pyramid whole;
+        iso_box_codes *codes;
+        double scale;
+        uint8_t made[3 * SIDE * SIDE * SIDE];
+        begin(&f, method % 2 ? ISO_U8 : ISO_F32);
+        f.narrow.options.gradient.method = (iso_gradient_method)method;
+        assert_ok(iso_pyramid_build(&f.volume, "noise", &f.narrow.options, &whole, NULL, &err));
+        iso_level level = whole.levels[0];
+        level.samples = &f.volume;
+        level.estimator = (iso_gradient_method)method;
+        assert_ok(iso_level_gradient_scale(&level, &scale, &err));
+        assert_ok(iso_box_codes_create(&level, ISO_CODE_FIT, scale, SIDE, &codes, &err));
+        for (size_t b = 0; b < sizeof boxes / sizeof *boxes; ++b) {
+            const size_t *first = boxes[b][0], *n = boxes[b][1];
+            iso_box_codes_make(codes, first, n, made);
+            for (size_t row = 0; row < n[1] * n[2]; ++row)
+                assert_memory_equal(made + 3 * n[0] * row,
+                                    level.codes + 3 * (first[0] + NX * (first[1] + row % n[1] +
+                                                                        NY * (first[2] + row / n[1]))),
+                                    3 * n[0]);
+        }
+        iso_box_codes_destroy(codes);
+        iso_pyramid_destroy(&whole);
+        end(&f);
+    }
+}
+
 /* What a scene shows of samples is what it shows of their floats: the transfer function that is suggested, the camera,
  * and what is warned of. */
 TEST(samples_are_seen_as_their_floats)

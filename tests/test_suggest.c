@@ -214,6 +214,64 @@ TEST(threads_change_nothing)
     free(l.scalar);
 }
 
+/* Counts each voxel by the formulas of survey.h, in doubles. */
+static void count_plainly(const iso_level *l, iso_survey *s)
+{
+    const size_t *n = l->geometry.size;
+    double h[3];
+    iso_geometry_spacing_mm(&l->geometry, h);
+    const double mean = cbrt(h[0] * h[1] * h[2]), largest = 0.5 * (s->hi - s->lo);
+    memset(s->joint, 0, sizeof s->joint);
+    memset(s->count, 0, sizeof s->count);
+    memset(s->face, 0, sizeof s->face);
+    for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i) {
+        const size_t at[3] = {i % n[0], i / n[0] % n[1], i / (n[0] * n[1])}, step[3] = {1, n[0], n[0] * n[1]};
+        double squares = 0;
+        bool is_beside = false, is_face = false;
+        if (s->has_padding && (double)l->scalar[i] == s->padding)
+            continue;
+        for (int a = 0; a < 3; ++a) {
+            const float before = l->scalar[at[a] > 0 ? i - step[a] : i],
+                        after = l->scalar[at[a] + 1 < n[a] ? i + step[a] : i];
+            const double slope = ((double)after - (double)before) * (0.5 * mean / h[a]);
+            squares += slope * slope;
+            is_face = is_face || at[a] == 0 || at[a] + 1 == n[a];
+            is_beside = is_beside || (s->has_padding && ((double)before == s->padding || (double)after == s->padding));
+        }
+        const int bin = iso_survey_bin(s, (double)l->scalar[i]);
+        const double slope = sqrt(squares) < largest ? ISO_SURVEY_SLOPES * sqrt(sqrt(squares) / largest)
+                                                     : ISO_SURVEY_SLOPES - 1;
+        ++s->count[bin];
+        s->face[bin] += is_face;
+        s->joint[bin][(int)slope] += !is_beside;
+    }
+}
+
+/* Most bins are found in floats, and voxels of one value together: every count is that of doubles. */
+TEST(counts_are_those_of_doubles)
+{
+    static formula *const formulas[] = {ball, padded_head, orbital, three_labels, waves, stars};
+    for (size_t i = 0; i < sizeof formulas / sizeof *formulas; ++i) {
+        iso_level l = make_level(formulas[i]);
+        iso_survey *survey;
+        assert_ok(iso_survey_make(&l, 2, &survey, &err));
+        iso_survey *plain = malloc(sizeof *plain);
+        *plain = *survey;
+        count_plainly(&l, plain);
+        assert_memory_equal(plain->count, survey->count, sizeof plain->count);
+        assert_memory_equal(plain->face, survey->face, sizeof plain->face);
+        assert_memory_equal(plain->joint, survey->joint, sizeof plain->joint);
+        /* A value that moves is seen. */
+        const size_t middle = size[0] / 2 + size[0] * (size[1] / 2 + size[1] * (size[2] / 2));
+        l.scalar[middle] += (float)(survey->hi - survey->lo) / 8;
+        count_plainly(&l, plain);
+        assert_memory_not_equal(plain->joint, survey->joint, sizeof plain->joint);
+        free(plain);
+        free(survey);
+        free(l.scalar);
+    }
+}
+
 static double constant(const sample_at *p)
 {
     return 5 + 0 * p->x;

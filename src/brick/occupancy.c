@@ -66,7 +66,12 @@ static iso_tf_shown measures_of(const iso_tf_table *tf)
 iso_tf_shown iso_tf_shown_of(const iso_tf_table *tf, uint32_t *next)
 {
     iso_tf_shown s = measures_of(tf);
-    iso_tf_next_shown(tf, next);
+    uint32_t found = (uint32_t)tf->count;
+    for (size_t i = tf->count; i-- > 0;) {
+        if (tf->entries[4 * i + 3] > 0)
+            found = (uint32_t)i;
+        next[i] = found;
+    }
     s.next = next;
     return s;
 }
@@ -80,24 +85,6 @@ bool iso_tf_shows(const iso_tf_table *tf, double min, double max)
         if (tf->entries[4 * i + 3] > 0)
             return true;
     return false;
-}
-
-void iso_tf_next_shown(const iso_tf_table *tf, uint32_t *next)
-{
-    uint32_t found = (uint32_t)tf->count;
-    for (size_t i = tf->count; i-- > 0;) {
-        if (tf->entries[4 * i + 3] > 0)
-            found = (uint32_t)i;
-        next[i] = found;
-    }
-}
-
-bool iso_tf_shows_by(const iso_tf_table *tf, const uint32_t *next, double min, double max)
-{
-    const iso_tf_shown s = measures_of(tf);
-    size_t from, to;
-    iso_tf_entries_of(&s, min, max, &from, &to);
-    return next[from] <= to;
 }
 
 /* Updates each chessboard distance to the least of the 26 neighbors plus one. Exact after a forward and a backward

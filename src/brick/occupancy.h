@@ -40,12 +40,8 @@ static inline size_t iso_brick_ranges_count(const iso_brick_ranges *r)
 
 /* True if the table's extinction is above 0 anywhere on [min, max]. */
 bool iso_tf_shows(const iso_tf_table *tf, double min, double max);
-/* Does the same for millions of queries. next: for each entry, the first one from there on with an extinction, or
- * tf->count. iso_tf_next_shown() fills these tf->count numbers. */
-void iso_tf_next_shown(const iso_tf_table *tf, uint32_t *next);
-bool iso_tf_shows_by(const iso_tf_table *tf, const uint32_t *next, double min, double max);
-
-/* The same with all that depends on the table computed beforehand. next: owned by the caller, space for tf->count. */
+/* Does the same for millions of queries, with all that depends on the table computed beforehand. next: for each entry,
+ * the first one from there on with an extinction, or tf->count; owned by the caller, space for tf->count. */
 typedef struct iso_tf_shown {
     double lo, scale, last; /* a value's entry is (value - lo) scale, 0 to last */
     uint32_t *next;

@@ -16,6 +16,7 @@
 #include "options/cli.h"
 #include "options/visible.h"
 #include "validate/limits.h"
+#include "pyramid/narrow.h"
 #include "pyramid/palette_level.h"
 #include "renderers/external.h"
 #include "renderers/gl.h"
@@ -154,13 +155,21 @@ typedef struct frame_of_series {
     json_t *results;
 } frame_of_series;
 
+/* True if the picture may need only a part of level 0, as far as the options decide. */
+static bool may_need_a_part(const iso_render_arguments *a, const iso_render_options *opt)
+{
+    return a->level == 0 && opt->source == ISO_FROM_CODES && !a->palette && !a->estimator && !a->limit && !a->roi.box &&
+           !a->adapted.wanted && !a->adapted.extinction_scale && !a->adapted.tf_2d && !iso_render_is_in_bricks(a);
+}
+
 static iso_status load_subject(const iso_render_arguments *a, const iso_cli *cli, const frame_of_series *of,
-                               const iso_pyramid_options *build, iso_pyramid *p, iso_error *err)
+                               const iso_pyramid_options *build, bool part, iso_pyramid *p, iso_error *err)
 {
     const iso_progress progress = iso_cli_progress(cli);
     if (of->series)
         return iso_subject_frames_load(of->series, of->frame, p, err);
-    return iso_subject_load_pyramid(cli->arguments[0], &a->input, build, &progress, p, err);
+    return (part ? iso_subject_begin_pyramid : iso_subject_load_pyramid)(cli->arguments[0], &a->input, build, &progress,
+                                                                         p, err);
 }
 
 static iso_status render(const iso_render_arguments *a, const iso_cli *cli, const frame_of_series *of, iso_error *err)
@@ -183,7 +192,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     iso_status status = prepare(a, cli, &opt, &build, &look, err);
     if (status == ISO_OK)
         iso_cli_expect_names(cli, !iso_pyramid_is_one(cli->arguments[0]), opt.renderer->stages, opt.renderer->name);
-    TRY(status, load_subject(a, cli, of, &build, &pyramid, err));
+    TRY(status, load_subject(a, cli, of, &build, may_need_a_part(a, &opt), &pyramid, err));
     TRY(status, recode(a, &pyramid, err));
     TRY(status, attach_palette(a, &opt, &pyramid, &palette, err));
     if (status == ISO_OK)
@@ -200,6 +209,8 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
                                    err));
     if (status == ISO_OK && !a->with && !a->limit && !a->page_side)
         iso_renderers_choose(&pyramid, &view, &opt);
+    if (status == ISO_OK && !iso_renderer_has(opt.renderer, ISO_TAKES_A_PART))
+        status = iso_pyramid_complete(&pyramid, &progress, err);
     TRY(status, opt.renderer->version(opt.renderer, &renderers, version, sizeof version, err));
     opt.stats = &stats;
     if (status == ISO_OK && iso_render_is_in_bricks(a))

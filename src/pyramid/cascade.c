@@ -40,14 +40,16 @@ void iso_cascade_level0_gradients(const iso_cascade *c, const iso_planes *in, si
     iso_gradient_row(in, c->opt.gradient.method, &c->matrix, y, z, r->gradient, r->g);
 }
 
-/* Encodes r->d straight from its rows. False if the code has no function for that. */
-static bool encode_rows(iso_code code, size_t n, emit_rows *r)
+bool iso_emit_codes(iso_code code, size_t n, emit_rows *r)
 {
     const iso_code_info *info = iso_code_describe(code);
-    if (!info->encode_rows)
+    if (info->encode_rows) {
+        info->encode_rows(r->d[0], r->d[1], r->d[2], n, r->packed);
+        iso_unpack_bytes(r->packed, n, r->bytes);
         return false;
-    info->encode_rows(r->d[0], r->d[1], r->d[2], n, r->packed);
-    iso_unpack_bytes(r->packed, n, r->bytes);
+    }
+    iso_interleave_rows(r->d[0], r->d[1], r->d[2], n, r->interleaved);
+    iso_code_encode(code, r->interleaved, r->bytes, n);
     return true;
 }
 
@@ -55,11 +57,9 @@ static bool encode_rows(iso_code code, size_t n, emit_rows *r)
 static void store_codes(const iso_cascade *c, const iso_cascade_out *out, size_t k, size_t y, size_t z, emit_rows *r)
 {
     const size_t n = c->size[k][0], at = ((z - out->first) * c->size[k][1] + y) * n;
-    const bool from_rows = !out->codes || encode_rows(c->opt.code, n, r);
-    if (!from_rows || out->directions)
+    const bool is_interleaved = out->codes && iso_emit_codes(c->opt.code, n, r);
+    if (out->directions && !is_interleaved)
         iso_interleave_rows(r->d[0], r->d[1], r->d[2], n, r->interleaved);
-    if (!from_rows)
-        iso_code_encode(c->opt.code, r->interleaved, r->bytes, n);
     if (out->codes)
         iso_copy_streaming(out->codes + 3 * at, r->bytes, 3 * n);
     if (out->directions)

@@ -76,6 +76,8 @@ emit_rows iso_take_emit_rows(const iso_cascade *c, scratch *s);
 
 /* Computes the gradients of a row of level 0, to rows->g. */
 void iso_cascade_level0_gradients(const iso_cascade *c, const iso_planes *in, size_t y, size_t z, emit_rows *rows);
+/* Encodes n directions of rows->d to rows->bytes. True if rows->interleaved has the directions, too. */
+bool iso_emit_codes(iso_code code, size_t n, emit_rows *rows);
 /* Stores the directions of the row's gradients. */
 void iso_emit_level0(const iso_cascade *c, const iso_cascade_out *out, size_t y, size_t z, emit_rows *rows);
 /* Stores a row of directions of a coarse level from its state. */

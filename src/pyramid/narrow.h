@@ -11,6 +11,13 @@
 iso_status iso_pyramid_build_narrow(const iso_volume *v, const char *source, const iso_pyramid_options *opt,
                                     iso_pyramid *out, const iso_progress *progress, iso_error *err);
 
+/* Makes a pyramid of level 0 alone for pictures that read a part of it: the pyramid takes the volume, and codes are
+ * made where they are needed (iso_box_codes). iso_pyramid_complete() makes the level that iso_pyramid_build() makes. v is
+ * empty afterwards, also after a failure. */
+iso_status iso_pyramid_begin(iso_volume *v, const char *source, const iso_pyramid_options *opt, iso_pyramid *out,
+                             iso_error *err);
+iso_status iso_pyramid_complete(iso_pyramid *p, const iso_progress *progress, iso_error *err);
+
 /* Returns the value that voxels without data have where a format or a device has to interpolate them: `ranges` of the
  * level's range below its least value, where transfer functions show nothing. In the cells next to these voxels the
  * interpolated value leaves the range within 1 / ranges of a cell. */
@@ -63,6 +70,18 @@ iso_status iso_narrow_codes_begin(iso_narrow_codes *c, const iso_pyramid *p, con
  * thread may call it at a time. ISO_E_MEMORY. */
 iso_status iso_narrow_codes_make(iso_narrow_codes *c, const size_t first[3], const size_t end[3], iso_error *err);
 void iso_narrow_codes_destroy(iso_narrow_codes *c); /* accepts empty */
+
+/* Codes of small boxes of a level that has `samples`, by one thread and without allocating. */
+typedef struct iso_box_codes iso_box_codes;
+
+/* Creates them for boxes of at most `side` voxels along each axis. scale: iso_level_gradient_scale(). ISO_E_MEMORY. */
+iso_status iso_box_codes_create(const iso_level *level, iso_code code, double scale, size_t side, iso_box_codes **out,
+                                iso_error *err);
+void iso_box_codes_destroy(iso_box_codes *b); /* accepts NULL */
+/* Fills the codes of a box, 3 bytes per voxel: the same bytes as those of a whole level. */
+void iso_box_codes_make(iso_box_codes *b, const size_t first[3], const size_t count[3], uint8_t *codes);
+/* Returns the scale of gradients of the whole level. */
+iso_status iso_level_gradient_scale(const iso_level *level, double *scale, iso_error *err);
 
 /* Returns the code of a voxel within the box, counted in level 0; the rest of its row follows. */
 static inline const uint8_t *iso_narrow_codes_at(const iso_narrow_codes *c, size_t x, size_t y, size_t z)

@@ -275,6 +275,40 @@ iso_status iso_pyramid_build_narrow(const iso_volume *v, const char *source, con
     return build(v, true, source, opt, out, progress, err);
 }
 
+iso_status iso_pyramid_begin(iso_volume *v, const char *source, const iso_pyramid_options *opt, iso_pyramid *out,
+                             iso_error *err)
+{
+    iso_pyramid_options own = *opt;
+    own.level_count = 1;
+    own.keep_float = own.keep_magnitude = false;
+    iso_status status = build(v, true, source, &own, out, NULL, err);
+    if (status == ISO_OK && !(out->volume = malloc(sizeof *out->volume)))
+        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source);
+    if (status == ISO_OK) {
+        *out->volume = *v;
+        out->levels[0].samples = out->volume;
+        out->levels[0].estimator = own.gradient.method;
+    } else {
+        iso_volume_destroy(v);
+        iso_pyramid_destroy(out);
+    }
+    *v = (iso_volume){0};
+    return status;
+}
+
+iso_status iso_pyramid_complete(iso_pyramid *p, const iso_progress *progress, iso_error *err)
+{
+    iso_pyramid whole;
+    if (!p->volume)
+        return ISO_OK;
+    const iso_status status = iso_pyramid_build(p->volume, p->source, &p->options, &whole, progress, err);
+    if (status == ISO_OK) {
+        iso_pyramid_destroy(p);
+        *p = whole;
+    }
+    return status;
+}
+
 void iso_pyramid_share_segments(iso_pyramid *p)
 {
     for (size_t k = 0; p->levels && k < p->level_count; ++k)
@@ -292,6 +326,9 @@ void iso_pyramid_destroy(iso_pyramid *p)
         free(p->levels[k].magnitude);
     }
     free(p->levels);
+    if (p->volume)
+        iso_volume_destroy(p->volume);
+    free(p->volume);
     free(p->source);
     json_decref(p->segments);
     json_decref(p->made_for);

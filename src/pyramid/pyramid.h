@@ -113,7 +113,8 @@ typedef struct iso_level {
     float *scalar;             /* NULL in an outline, and if `samples` has it */
     const iso_volume *samples; /* borrowed: the volume that holds the level's scalars (narrow.h); NULL if the level
                                 * holds them */
-    uint8_t *codes;            /* 3 bytes per voxel; NULL in an outline */
+    iso_gradient_method estimator; /* of directions that are made from `samples` */
+    uint8_t *codes;            /* 3 bytes per voxel; NULL in an outline, and if they are made from `samples` */
     float *directions;         /* 3 floats per voxel before encoding, or NULL */
     float *magnitude;          /* 1 float per voxel, or NULL */
     double min, max;           /* of the scalar */
@@ -141,6 +142,7 @@ typedef struct iso_pyramid {
     char built_by[64]; /* "isoshade 0.2.0" */
     size_t level_count;
     iso_level *levels;
+    iso_volume *volume; /* owned: level 0's samples, of iso_pyramid_begin() (narrow.h); or NULL */
     json_t *segments;  /* owned: names and colors of a label map's labels (volume/segments.h); or NULL */
     json_t *made_for;  /* owned: the scene that levels were made for, and how (doc/reference/files-pyramid.md); or NULL */
 } iso_pyramid;

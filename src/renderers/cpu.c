@@ -39,8 +39,8 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     TRY(status, iso_image_create(image, q->view->width, q->view->height, err));
     if (status == ISO_OK) {
         stats->setup_seconds = iso_clock_seconds() - start;
-        stats->bytes = iso_cpu_bytes(scene);
         draw_repeatedly(scene, opt, image, stats);
+        stats->bytes = iso_cpu_bytes(scene);
     }
     iso_cpu_release(scene);
     return status;
@@ -64,7 +64,7 @@ const iso_renderer_info iso_renderer_cpu = {
     .color = "#e69f00",
     .traits = ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_LIGHTS | ISO_HAS_ORTHOGRAPHIC |
               ISO_HAS_LABELS | ISO_HAS_LIMIT | ISO_HAS_BRICKS | ISO_HAS_PROCESSOR_TIME | ISO_READS_SOURCE |
-              ISO_IS_NAMED,
+              ISO_TAKES_A_PART | ISO_IS_NAMED,
     .defaults = {.source = ISO_FROM_CODES, .quadrature = ISO_QUADRATURE_MIDPOINT},
     .sample_seconds = 4e-9,
     .first_step_voxels = 1.0 / 16,

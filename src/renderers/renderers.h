@@ -106,6 +106,7 @@ typedef enum iso_trait {
     ISO_IS_OF_PICTURES = 1 << 23,   /* images of given scenes, made elsewhere (pictures.h) */
     ISO_IS_OF_A_USER = 1 << 24,     /* row of a renderers.json: its program may change without a new version */
     ISO_WAITS_BETWEEN = 1 << 25,    /* each image of a start begins with a wait: parallel ones end sooner */
+    ISO_TAKES_A_PART = 1 << 26,     /* makes what it needs of a level that has samples alone (pyramid/narrow.h) */
 } iso_trait;
 #define ISO_HAS_ALL_SCENES \
     (ISO_HAS_CLIP_PLANES | ISO_HAS_2D_TFS | ISO_HAS_EXTINCTION_SCALES | ISO_HAS_ROI | ISO_HAS_LIGHTS | \

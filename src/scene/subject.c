@@ -3,11 +3,12 @@
 
 #include <stdlib.h>
 
+#include "pyramid/narrow.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 
-iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
-                                    const iso_progress *progress, iso_pyramid *p, iso_error *err)
+static iso_status load(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt, bool begin_only,
+                       const iso_progress *progress, iso_pyramid *p, iso_error *err)
 {
     *p = (iso_pyramid){0};
     if (iso_pyramid_is_one(path))
@@ -16,12 +17,26 @@ iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *in
     iso_status status = iso_volume_input_load(path, input, &v, err);
     if (status != ISO_OK)
         return status;
+    if (begin_only && !v.notes.label_count && iso_type_bytes(v.type) <= sizeof(float))
+        return iso_pyramid_begin(&v, path, opt, p, err);
     iso_pyramid_options own = *opt;
     if (v.notes.label_count)
         own.scalar_filter = ISO_SCALAR_MAJORITY;
     status = iso_pyramid_build(&v, path, &own, p, progress, err);
     iso_volume_destroy(&v);
     return status;
+}
+
+iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
+                                    const iso_progress *progress, iso_pyramid *p, iso_error *err)
+{
+    return load(path, input, opt, false, progress, p, err);
+}
+
+iso_status iso_subject_begin_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
+                                     const iso_progress *progress, iso_pyramid *p, iso_error *err)
+{
+    return load(path, input, opt, true, progress, p, err);
 }
 
 iso_status iso_subject_refuse_labels(const iso_pyramid *p, const char *path, const char *what, iso_error *err)

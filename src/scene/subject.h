@@ -15,6 +15,10 @@ enum { ISO_SUBJECT_PIXELS = 512 };
  * with `opt`; a pyramid keeps its own options. */
 iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
                                     const iso_progress *progress, iso_pyramid *p, iso_error *err);
+/* Does the same for a picture of level 0 that may need only a part of it: a volume whose samples have at most 4 bytes
+ * and are no labels becomes a pyramid of iso_pyramid_begin(). */
+iso_status iso_subject_begin_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
+                                     const iso_progress *progress, iso_pyramid *p, iso_error *err);
 /* Refuses a label map with ISO_E_USAGE: `what`, an option or a command, would interpolate it. */
 iso_status iso_subject_refuse_labels(const iso_pyramid *p, const char *path, const char *what, iso_error *err);
 

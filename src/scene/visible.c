@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/parallel.h"
@@ -35,13 +36,34 @@ static void box_sides_mm(const iso_geometry *g, double *longest, double *mean)
     }
 }
 
-/* Counts 8-bit samples, with one lookup per value. */
-static size_t count_bytes(const uint8_t *bytes, size_t count, const bool is_seen[256])
+/* Counts samples of 8 or 16 bits, with one lookup per value; bytes of is_seen go by the sample's bits. */
+static size_t count_small(const iso_volume *v, size_t first, size_t count, const uint8_t *is_seen)
 {
     size_t seen = 0;
-    for (size_t i = 0; i < count; ++i)
-        seen += is_seen[bytes[i]];
+    if (iso_type_bytes(v->type) == 1) {
+        const uint8_t *at = (const uint8_t *)v->data + first;
+        for (size_t i = 0; i < count; ++i)
+            seen += is_seen[at[i]];
+    } else {
+        const uint16_t *at = (const uint16_t *)v->data + first;
+        for (size_t i = 0; i < count; ++i)
+            seen += is_seen[at[i]];
+    }
     return seen;
+}
+
+/* Creates the table of count_small(); NULL: the level has none of these samples, or no memory. */
+static uint8_t *small_values(const iso_level *l, const threshold *seen)
+{
+    const iso_volume *v = l->scalar ? NULL : l->samples;
+    if (!v || iso_type_bytes(v->type) > 2)
+        return NULL;
+    const bool is_byte = iso_type_bytes(v->type) == 1, is_signed = v->type == ISO_I8 || v->type == ISO_I16;
+    const int count = is_byte ? 256 : 65536;
+    uint8_t *is_seen = malloc((size_t)count);
+    for (int i = 0; is_seen && i < count; ++i)
+        is_seen[i] = counts(seen, is_signed && i >= count / 2 ? i - count : i);
+    return is_seen;
 }
 
 static size_t count_values(const iso_level *l, size_t first, size_t count, const threshold *t)
@@ -61,14 +83,12 @@ static size_t count_values(const iso_level *l, size_t first, size_t count, const
 static double visible_voxels(const iso_level *l, const threshold *seen, int threads)
 {
     const size_t slice = l->geometry.size[0] * l->geometry.size[1], slices = l->geometry.size[2];
-    const uint8_t *bytes = !l->scalar && l->samples->type == ISO_U8 ? l->samples->data : NULL;
-    bool is_seen[256];
+    uint8_t *is_seen = small_values(l, seen);
     size_t count = 0;
-    for (int i = 0; i < 256; ++i)
-        is_seen[i] = counts(seen, i);
 #pragma omp parallel for schedule(static) num_threads(iso_threads(threads)) reduction(+ : count)
     for (size_t z = 0; z < slices; ++z)
-        count += bytes ? count_bytes(bytes + z * slice, slice, is_seen) : count_values(l, z * slice, slice, seen);
+        count += is_seen ? count_small(l->samples, z * slice, slice, is_seen) : count_values(l, z * slice, slice, seen);
+    free(is_seen);
     return (double)count / (double)(slice * slices);
 }
 

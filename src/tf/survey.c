@@ -39,10 +39,35 @@ double iso_survey_slope(const iso_survey *s, double slope)
 /* ---- quantiles, padding, labels
  * ------------------------------------------------------------------------------------ */
 
-static int ascending(const void *a, const void *b)
+/* Sorts floats by digits of 11 bits. spare: of the same size. Returns the array that holds the result. */
+static float *sort_floats(float *values, float *spare, size_t count)
 {
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
+    enum { BITS = 11, DIGITS = 1 << BITS };
+    const uint32_t sign = 0x80000000u;
+    for (int shift = 0; shift < 32; shift += BITS) {
+        size_t start[DIGITS] = {0}, sum = 0;
+#define KEY(bits) ((((bits) & sign ? ~(bits) : (bits) | sign) >> shift) % DIGITS)
+        for (size_t i = 0; i < count; ++i) {
+            uint32_t bits;
+            memcpy(&bits, values + i, sizeof bits);
+            ++start[KEY(bits)];
+        }
+        for (int k = 0; k < DIGITS; ++k) {
+            const size_t own = start[k];
+            start[k] = sum;
+            sum += own;
+        }
+        for (size_t i = 0; i < count; ++i) {
+            uint32_t bits;
+            memcpy(&bits, values + i, sizeof bits);
+            spare[start[KEY(bits)]++] = values[i];
+        }
+#undef KEY
+        float *sorted = spare;
+        spare = values;
+        values = sorted;
+    }
+    return values;
 }
 
 /* Returns voxels at a fixed stride that meets every column and row, sorted. NULL: no memory. */
@@ -52,13 +77,17 @@ static float *sorted_samples(const iso_level *l, size_t *count)
     size_t stride = n / SAMPLES + 1;
     while (stride > 1 && (l->geometry.size[0] % stride == 0 || stride % 2 == 0))
         ++stride;
-    float *samples = malloc((n / stride + 1) * sizeof *samples);
+    const size_t most = n / stride + 1;
+    float *samples = malloc(2 * most * sizeof *samples);
     *count = 0;
     for (size_t i = 0; samples && i < n; i += stride)
-        if (!iso_is_no_data(samples[*count] = (float)iso_level_value(l, i)))
+        if (!iso_is_no_data(samples[*count] = (float)iso_level_value(l, i) + 0.0f)) /* not -0, which equals 0 */
             ++*count;
-    if (samples)
-        qsort(samples, *count, sizeof *samples, ascending);
+    if (!samples)
+        return NULL;
+    const float *sorted = sort_floats(samples, samples + most, *count);
+    if (sorted != samples)
+        memcpy(samples, sorted, *count * sizeof *samples);
     return samples;
 }
 
@@ -169,43 +198,59 @@ static void summarize(const float *sample, size_t count, iso_survey *s)
 /* ---- histograms
  * ---------------------------------------------------------------------------------------------------- */
 
-enum { BLOCK = 256 }; /* voxels of a row that are counted at once */
+enum { BLOCK = 128, ROWS = 5 }; /* voxels of a row that are counted at once; rows with their neighbors */
 
-/* Consecutive voxels of a row and their neighbors: [axis][0] before, [axis][1] after. */
+/* Consecutive voxels of a row and their neighbors: [axis][0] before, [axis][1] after; at a border the voxels
+ * themselves. */
 typedef struct neighbors {
     const float *at, *side[3][2];
     size_t count;
 } neighbors;
 
-/* A row and its neighbors along y and z; at a border the row itself. */
-typedef struct neighbor_rows {
-    const float *at, *side[3][2]; /* side[0]: not used */
-} neighbor_rows;
+/* Voxels of level 0: where they and their neighbors are. */
+typedef struct segment {
+    const iso_level *level;
+    size_t first, count;
+    size_t ends[2];       /* of neighbors in the row: 0 at a border, otherwise 1 */
+    size_t rows[ROWS - 1]; /* first neighbors along y and z; `first` at a border */
+} segment;
 
-enum { ROWS = 5 };
-
-/* Finds the rows next to row (y, z). buffer: space for ROWS rows, for levels whose floats are not in memory. */
-static neighbor_rows find_rows(const iso_level *l, size_t y, size_t z, float *buffer)
+static segment find_segment(const iso_level *l, size_t x, size_t y, size_t z, size_t count)
 {
-    const size_t *n = l->geometry.size, place[3] = {0, y, z}, step[3] = {0, n[0], n[0] * n[1]};
-    const size_t first = n[0] * (y + n[1] * z);
-    neighbor_rows r = {.at = iso_level_floats(l, first, n[0], buffer)};
+    const size_t *n = l->geometry.size, place[3] = {x, y, z}, step[3] = {1, n[0], n[0] * n[1]};
+    segment s = {.level = l, .first = x + n[0] * (y + n[1] * z), .count = count, .ends = {x > 0, x + count < n[0]}};
     for (int a = 1; a < 3; ++a) {
-        float *own = buffer + (size_t)(2 * a - 1) * n[0];
-        r.side[a][0] = place[a] > 0 ? iso_level_floats(l, first - step[a], n[0], own) : r.at;
-        r.side[a][1] = place[a] + 1 < n[a] ? iso_level_floats(l, first + step[a], n[0], own + n[0]) : r.at;
+        s.rows[2 * a - 2] = place[a] > 0 ? s.first - step[a] : s.first;
+        s.rows[2 * a - 1] = place[a] + 1 < n[a] ? s.first + step[a] : s.first;
     }
-    return r;
+    return s;
 }
 
-static neighbors find_neighbors(const neighbor_rows *r, size_t x, size_t nx, size_t count)
+/* True if all voxels and neighbors are the same bytes. */
+static bool is_flat(const segment *s)
 {
-    neighbors v = {.at = r->at + x, .count = count};
-    v.side[0][0] = x > 0 ? v.at - 1 : v.at;
-    v.side[0][1] = x + 1 < nx ? v.at + 1 : v.at;
-    for (int a = 1; a < 3; ++a)
-        for (int i = 0; i < 2; ++i)
-            v.side[a][i] = r->side[a][i] + x;
+    const iso_level *l = s->level;
+    const size_t bytes = l->scalar ? sizeof *l->scalar : iso_type_bytes(l->samples->type);
+    const char *data = l->scalar ? (const char *)l->scalar : l->samples->data, *at = data + bytes * s->first;
+    const size_t row = s->count + s->ends[0] + s->ends[1];
+    const char *begin = at - bytes * s->ends[0];
+    if (memcmp(begin, begin + bytes, bytes * (row - 1)) != 0)
+        return false;
+    for (int i = 0; i < ROWS - 1; ++i)
+        if (memcmp(at, data + bytes * s->rows[i], bytes * s->count) != 0)
+            return false;
+    return true;
+}
+
+/* Reads the voxels. buffer: for levels whose floats are not in memory. */
+static neighbors read_segment(const segment *s, float buffer[ROWS][BLOCK + 2])
+{
+    const float *row = iso_level_floats(s->level, s->first - s->ends[0], s->count + s->ends[0] + s->ends[1], buffer[0]);
+    neighbors v = {.at = row + s->ends[0], .count = s->count};
+    v.side[0][0] = row;
+    v.side[0][1] = v.at + s->ends[1];
+    for (int i = 0; i < ROWS - 1; ++i)
+        v.side[1 + i / 2][i % 2] = iso_level_floats(s->level, s->rows[i], s->count, buffer[1 + i]);
     return v;
 }
 
@@ -250,43 +295,161 @@ ISO_SIMD static void bin_slopes(const neighbors *v, const double scale[3], doubl
     }
 }
 
-static void count_block(const neighbors *v, bool face, const double scale[3], double largest, iso_survey *s)
+/* Distance of a place among bins, computed in floats, from a whole number below which doubles have to decide: the
+ * errors of floats are below 4e-5 of a bin. */
+#define UNSURE 2e-4f
+
+/* Rounds places down to bins. False if one is too close to a whole number; 0 is exact. */
+ISO_SIMD static bool take_bins(const float *restrict x, size_t count, int *restrict bins)
 {
-    int values[BLOCK], slopes[BLOCK];
-    const bool has_gaps = s->has_padding || s->has_no_data;
-    bin_values(v, s->lo, s->hi, values);
-    bin_slopes(v, scale, largest, slopes);
-    s->face_count += face ? v->count : 0;
+    int unsure = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const int bin = (int)x[i];
+        const float off = fabsf(x[i] - (float)bin - 0.5f);
+        bins[i] = bin;
+        unsure |= (off > 0.5f - UNSURE ? 1 : 0) & (x[i] > 0 ? 1 : 0);
+    }
+    return !unsure;
+}
+
+/* Computes places of bin_values() in floats. lo is a float. */
+ISO_SIMD static void place_values(const float *restrict at, size_t count, float lo, float scale, float *restrict x)
+{
+    for (size_t i = 0; i < count; ++i) {
+        const float place = (at[i] - lo) * scale, above = place > 0 ? place : 0;
+        x[i] = above < BINS ? above : BINS - 0.5f;
+    }
+}
+
+/* Computes places of bin_slopes() in floats. scale: divided by the largest magnitude. */
+ISO_SIMD static void place_slopes(const neighbors *v, const float scale[3], float *restrict x)
+{
+    const float *x0 = v->side[0][0], *x1 = v->side[0][1], *y0 = v->side[1][0], *y1 = v->side[1][1];
+    const float *z0 = v->side[2][0], *z1 = v->side[2][1], sx = scale[0], sy = scale[1], sz = scale[2];
+    for (size_t i = 0; i < v->count; ++i) {
+        const float dx = (x1[i] - x0[i]) * sx, dy = (y1[i] - y0[i]) * sy, dz = (z1[i] - z0[i]) * sz;
+        const float place = SLOPES * sqrtf(sqrtf(dx * dx + dy * dy + dz * dz));
+        x[i] = place < SLOPES ? place : SLOPES - 0.5f;
+    }
+}
+
+/* True if any of the voxels or their neighbors has no data or the padding's value. */
+ISO_SIMD static bool has_left_out(const neighbors *v, float padding)
+{
+    int found = 0;
+    for (int a = 0; a < 3; ++a)
+        for (int k = 0; k < 2; ++k) {
+            const float *restrict side = v->side[a][k];
+            for (size_t i = 0; i < v->count; ++i)
+                found |= (side[i] == ISO_NO_DATA) | (side[i] == padding);
+        }
+    for (size_t i = 0; i < v->count; ++i)
+        found |= (v->at[i] == ISO_NO_DATA) | (v->at[i] == padding);
+    return found;
+}
+
+/* Scales of bins. */
+typedef struct bin_scales {
+    double slope[3], largest; /* 1 / (2 h); the magnitude of the last bin's end */
+    float slope_fast[3], value_fast;
+    bool is_fast;             /* floats hold them */
+} bin_scales;
+
+static bin_scales find_scales(const iso_geometry *g, const iso_survey *s)
+{
+    double spacing[3];
+    iso_geometry_spacing_mm(g, spacing);
+    const double mean = cbrt(spacing[0] * spacing[1] * spacing[2]), range = s->hi - s->lo;
+    bin_scales b = {.largest = 0.5 * range,
+                    .value_fast = (float)(BINS / range),
+                    .is_fast = range > 1e-30 && range < 1e30};
+    for (int a = 0; a < 3; ++a) {
+        b.slope[a] = 0.5 * mean / spacing[a];
+        b.slope_fast[a] = (float)(b.slope[a] / b.largest);
+        b.is_fast = b.is_fast && b.slope_fast[a] > 1e-30f && b.slope_fast[a] < 1e30f;
+    }
+    return b;
+}
+
+/* Counts voxels with gaps among them or next to them, those next to a gap without their magnitude. */
+static void count_with_gaps(const neighbors *v, bool face, const int *values, const int *slopes, iso_survey *s)
+{
     for (size_t i = 0; i < v->count; ++i) {
         if (iso_is_no_data(v->at[i]))
             s->face_padding += face;
-        if (has_gaps && is_left_out(s, v->at[i]))
+        if (is_left_out(s, v->at[i]))
             continue;
-        ++s->voxel_count;
-        ++s->count[values[i]];
         s->face[values[i]] += face;
-        s->joint[values[i]][slopes[i]] += !has_gaps || !is_beside_left_out(s, v, i);
+        if (is_beside_left_out(s, v, i))
+            ++s->count[values[i]];
+        else
+            ++s->joint[values[i]][slopes[i]];
+    }
+}
+
+static void count_flat(float value, size_t count, bool face, iso_survey *s)
+{
+    const int bin = iso_survey_bin(s, (double)value);
+    if (iso_is_no_data(value))
+        s->face_padding += face ? count : 0;
+    if (is_left_out(s, value))
+        return;
+    s->face[bin] += face ? count : 0;
+    s->joint[bin][0] += count;
+}
+
+static void count_block(const neighbors *v, bool face, const bin_scales *b, iso_survey *s)
+{
+    int values[BLOCK], slopes[BLOCK];
+    float places[BLOCK];
+    place_values(v->at, v->count, (float)s->lo, b->value_fast, places);
+    if (!b->is_fast || !take_bins(places, v->count, values))
+        bin_values(v, s->lo, s->hi, values);
+    place_slopes(v, b->slope_fast, places);
+    if (!b->is_fast || !take_bins(places, v->count, slopes))
+        bin_slopes(v, b->slope, b->largest, slopes);
+    if ((s->has_padding || s->has_no_data) && has_left_out(v, s->has_padding ? (float)s->padding : ISO_NO_DATA)) {
+        count_with_gaps(v, face, values, slopes, s);
+        return;
+    }
+    for (size_t i = 0; i < v->count; ++i)
+        ++s->joint[values[i]][slopes[i]];
+    for (size_t i = 0; face && i < v->count; ++i)
+        ++s->face[values[i]];
+}
+
+/* Adds the voxels with a magnitude to those without. */
+static void sum_up(iso_survey *s)
+{
+    for (int i = 0; i < BINS; ++i) {
+        for (int k = 0; k < SLOPES; ++k)
+            s->count[i] += s->joint[i][k];
+        s->voxel_count += s->count[i];
     }
 }
 
 /* Counts a row. Its first and last voxels are counted by themselves: they are on faces and have a neighbor less. */
-static void count_row(const iso_level *l, size_t y, size_t z, float *buffer, const double scale[3], double largest,
-                      iso_survey *s)
+static void count_row(const iso_level *l, size_t y, size_t z, const bin_scales *b, iso_survey *s)
 {
     const size_t *n = l->geometry.size;
-    const neighbor_rows rows = find_rows(l, y, z, buffer);
+    float buffer[ROWS][BLOCK + 2];
     for (size_t x = 0, count; x < n[0]; x += count) {
-        const bool is_end = x == 0 || x + 1 == n[0];
+        const bool is_end = x == 0 || x + 1 == n[0], face = is_on_face(n, x, y, z);
         const size_t left = n[0] - 1 - x;
         count = is_end ? 1 : left < BLOCK ? left : BLOCK;
-        const neighbors v = find_neighbors(&rows, x, n[0], count);
-        count_block(&v, is_on_face(n, x, y, z), scale, largest, s);
+        const segment at = find_segment(l, x, y, z, count);
+        s->face_count += face ? count : 0;
+        if (b->is_fast && is_flat(&at)) {
+            count_flat((float)iso_level_value(l, at.first), count, face, s);
+            continue;
+        }
+        const neighbors v = read_segment(&at, buffer);
+        count_block(&v, face, b, s);
     }
 }
 
 static void add_counts(iso_survey *sum, const iso_survey *part)
 {
-    sum->voxel_count += part->voxel_count;
     sum->face_count += part->face_count;
     sum->face_padding += part->face_padding;
     for (int i = 0; i < BINS; ++i) {
@@ -300,20 +463,11 @@ static void add_counts(iso_survey *sum, const iso_survey *part)
 static iso_status count_all(const iso_level *l, int threads, iso_survey *s, iso_error *err)
 {
     const size_t *n = l->geometry.size;
-    double spacing[3], scale[3];
-    iso_geometry_spacing_mm(&l->geometry, spacing);
-    const double mean = cbrt(spacing[0] * spacing[1] * spacing[2]), largest = 0.5 * (s->hi - s->lo);
-    for (int a = 0; a < 3; ++a)
-        scale[a] = 0.5 * mean / spacing[a];
+    const bin_scales scales = find_scales(&l->geometry, s);
     bool complete = true;
 #pragma omp parallel num_threads(iso_threads(threads))
     {
         iso_survey *mine = calloc(1, sizeof *mine);
-        float *buffer = l->scalar ? NULL : malloc(ROWS * n[0] * sizeof *buffer);
-        if (!buffer && !l->scalar) {
-            free(mine);
-            mine = NULL;
-        }
         if (mine) {
             mine->lo = s->lo, mine->hi = s->hi;
             mine->has_padding = s->has_padding, mine->padding = s->padding;
@@ -322,7 +476,7 @@ static iso_status count_all(const iso_level *l, int threads, iso_survey *s, iso_
 #pragma omp for schedule(static)
         for (size_t z = 0; z < n[2]; ++z)
             for (size_t y = 0; mine && y < n[1]; ++y)
-                count_row(l, y, z, buffer, scale, largest, mine);
+                count_row(l, y, z, &scales, mine);
 #pragma omp critical
         {
             complete = complete && mine;
@@ -330,8 +484,8 @@ static iso_status count_all(const iso_level *l, int threads, iso_survey *s, iso_
                 add_counts(s, mine);
         }
         free(mine);
-        free(buffer);
     }
+    sum_up(s);
     return complete ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for a histogram of value and gradient");
 }
 

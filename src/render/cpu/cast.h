@@ -53,6 +53,7 @@ typedef struct iso_cast_light {
  * segment), red, green and blue. */
 enum { ISO_CAST_DEPTH = 0, ISO_CAST_GREEN = 4, ISO_CAST_ENTRY = 8 };
 
+struct iso_cast_maker;
 typedef struct iso_cast {
     /* the camera, in doubles */
     size_t width, height;
@@ -66,8 +67,13 @@ typedef struct iso_cast {
     double clips[ISO_MAX_CLIP_PLANES][4]; /* index coordinates */
     /* the volume, in bricks; NULL if it is not read */
     int32_t size[3], brick_stride[3]; /* from a brick to the next, in voxels; in bricks if there are slots */
-    const int32_t
-        *slots; /* where bricks are pages (paged.h): the first voxel of each, below 0: it has to be loaded. Else NULL */
+    /* If bricks are pages (paged.h) or are made one by one: the first voxel of each; below 0: it is missing. Else
+     * NULL. */
+    const int32_t *slots;
+    /* If bricks are made when a ray needs them (cast_made.h), otherwise NULL: makes a missing brick and returns its
+     * slot. Any thread may call it. */
+    int32_t (*make_brick)(struct iso_cast_maker *maker, int32_t brick);
+    struct iso_cast_maker *maker;
     bool has_integers; /* True if scalars have at most 16 bits: they are kept less the least value. Otherwise they are
                         * kept as floats, scaled to their range */
     const uint16_t *integers; /* scalars alone: these ... */

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/parallel.h"
-#include "brick/occupancy.h"
 
 iso_cast_grid iso_cast_grid_of(const iso_geometry *g, int threads)
 {
@@ -113,102 +112,72 @@ float *iso_cast_brick_component(const iso_cast_grid *grid, const iso_sampler *sa
     return out;
 }
 
-/* ---- blocks ---- */
+/* ---- bricks of a pool ---- */
 
-enum {
-    BLOCK = 1 << ISO_CAST_BLOCK_SHIFT,
-    VOXELS = BLOCK + 1,
-    ALL = VOXELS * VOXELS * VOXELS,
-    WORD = BLOCK * BLOCK * 2
-};
-
-/* Reads the voxels at the corners of block b's cells, VOXELS along each axis. */
-static void read_block(const iso_level *level, const size_t b[3], float *out)
+iso_cast_box iso_cast_box_of(const size_t size[3], const size_t brick_count[3], size_t brick)
 {
-    const size_t *size = level->geometry.size;
-    for (size_t z = 0; z < VOXELS; ++z)
-        for (size_t y = 0; y < VOXELS; ++y) {
-            const float *row = level->scalar + size[0] * (iso_cast_inner(b[1] * BLOCK + y, size[1]) +
-                                                          size[1] * iso_cast_inner(b[2] * BLOCK + z, size[2]));
-            for (size_t x = 0; x < VOXELS; ++x)
-                *out++ = row[iso_cast_inner(b[0] * BLOCK + x, size[0])];
-        }
-}
-
-/* Replaces each value by the least and the largest of it and the next along an axis. After all three axes they are
- * those of the cells. */
-static void reach_next(float *min, float *max, size_t step)
-{
-    for (size_t i = 0; i + step < ALL; ++i) {
-        min[i] = min[i] < min[i + step] ? min[i] : min[i + step];
-        max[i] = max[i] > max[i + step] ? max[i] : max[i + step];
+    const size_t *n = brick_count, at[3] = {brick % n[0], brick / n[0] % n[1], brick / (n[0] * n[1])};
+    iso_cast_box box;
+    for (int a = 0; a < 3; ++a) {
+        box.start[a] = at[a] * ISO_CAST_BRICK;
+        box.first[a] = iso_cast_inner(box.start[a], size[a]);
+        box.count[a] = iso_cast_inner(box.start[a] + ISO_CAST_BRICK, size[a]) - box.first[a] + 1;
     }
+    return box;
 }
 
-/* Sets the bits of the visible cells. */
-static void find_cells(const iso_tf_table *tf, const uint32_t *next, const float *voxels, uint32_t words[2])
+size_t iso_cast_voxel_bytes(const iso_cast_scalars *s, bool is_lit)
 {
-    float min[ALL], max[ALL];
-    memcpy(min, voxels, sizeof min);
-    memcpy(max, voxels, sizeof max);
-    for (size_t step = 1; step < ALL; step *= VOXELS)
-        reach_next(min, max, step);
-    words[0] = words[1] = 0;
-    for (size_t i = 0; i < 2 * WORD; ++i) {
-        const size_t x = i % BLOCK, y = i / BLOCK % BLOCK, z = i / (BLOCK * BLOCK), at = x + VOXELS * (y + VOXELS * z);
-        if (iso_tf_shows_by(tf, next, (double)min[at], (double)max[at]))
-            words[i / WORD] |= (uint32_t)1 << i % WORD;
-    }
+    return is_lit ? 2 * sizeof(uint32_t) : s->are_integers ? sizeof(uint16_t) : sizeof(float);
 }
 
-static void find_in_block(const iso_level *level, const iso_tf_table *tf, const uint32_t *next, const size_t b[3],
-                          uint32_t words[2])
+
+bool iso_cast_pool_create(iso_cast_pool *pool, const iso_cast_scalars *s, bool is_lit, size_t count, size_t *bytes)
 {
-    float voxels[ALL];
-    read_block(level, b, voxels);
-    float min = voxels[0], max = min;
-    for (size_t i = 1; i < ALL; ++i) {
-        min = voxels[i] < min ? voxels[i] : min;
-        max = voxels[i] > max ? voxels[i] : max;
-    }
-    words[0] = words[1] = 0;
-    if (iso_tf_shows_by(tf, next, (double)min, (double)max))
-        find_cells(tf, next, voxels, words);
+    *pool = (iso_cast_pool){0};
+    *bytes = (count * ISO_CAST_VOXELS + 4) * iso_cast_voxel_bytes(s, is_lit);
+    void *made = malloc(*bytes);
+    if (is_lit)
+        pool->voxels = made;
+    else if (s->are_integers)
+        pool->integers = made;
+    else
+        pool->floats = made;
+    return made != NULL;
 }
 
-iso_status iso_cast_blocks_create(iso_cast_blocks *b, const iso_level *level, const iso_tf_table *tf, int threads,
-                                  iso_error *err)
+void *iso_cast_pool_array(const iso_cast_pool *pool)
 {
-    size_t shown = 0;
-    *b = (iso_cast_blocks){.blocks = 1};
+    return pool->voxels ? (void *)pool->voxels : pool->integers ? (void *)pool->integers : (void *)pool->floats;
+}
+
+void iso_cast_pool_use(const iso_cast_pool *pool, iso_cast *c)
+{
+    c->voxels = pool->voxels;
+    c->integers = pool->integers;
+    c->floats = pool->floats;
+}
+
+void iso_cast_pool_fill(const iso_cast_pool *pool, const iso_cast_scalars *s, bool is_signed, const size_t size[3],
+                        const iso_cast_box *box, const float *scalars, const uint8_t *codes, size_t page)
+{
+    size_t out = page * ISO_CAST_VOXELS, at[3][ISO_CAST_ROW];
     for (int a = 0; a < 3; ++a)
-        b->blocks *= b->count[a] = level->geometry.size[a] / BLOCK + 1;
-    const size_t blocks = b->blocks, *count = b->count;
-    uint32_t *next = malloc(tf->count * sizeof *next), *cells = b->cells = malloc(2 * blocks * sizeof *cells);
-    uint8_t *empty = malloc(blocks);
-    b->octants = malloc(ISO_OCTANTS * blocks + 4); /* four bytes are fetched for one */
-    const bool has_all = next && cells && empty && b->octants;
-    if (has_all) {
-        iso_tf_next_shown(tf, next);
-#pragma omp parallel for schedule(static) num_threads(iso_threads(threads)) reduction(+ : shown)
-        for (size_t i = 0; i < blocks; ++i) {
-            const size_t at[3] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
-            find_in_block(level, tf, next, at, cells + 2 * i);
-            empty[i] = !(cells[2 * i] | cells[2 * i + 1]);
-            shown += !empty[i];
+        for (size_t i = 0; i < ISO_CAST_ROW; ++i)
+            at[a][i] = iso_cast_inner(box->start[a] + i, size[a]) - box->first[a];
+    for (size_t row = 0; row < ISO_CAST_PLANE; ++row) {
+        const size_t y = at[1][row % ISO_CAST_ROW], z = at[2][row / ISO_CAST_ROW];
+        const size_t first = box->count[0] * (y + box->count[1] * z);
+        for (size_t i = 0; i < ISO_CAST_ROW; ++i, ++out) {
+            const size_t v = first + at[0][i];
+            if (pool->voxels) {
+                pool->voxels[2 * out] = iso_cast_code_word(codes + 3 * v, is_signed);
+                pool->voxels[2 * out + 1] = iso_cast_scalar_word(s, scalars[v]);
+            } else if (pool->integers) {
+                pool->integers[out] = iso_cast_integer(s, scalars[v]);
+            } else {
+                pool->floats[out] = iso_cast_part(s, scalars[v]);
+            }
         }
-        memset(b->octants + ISO_OCTANTS * blocks, 0, 4);
-        iso_occupancy_octants(count, empty, threads, b->octants);
     }
-    free(empty);
-    free(next);
-    b->occupied = (double)shown / (double)blocks;
-    return has_all ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu blocks", blocks);
-}
-
-void iso_cast_blocks_destroy(iso_cast_blocks *b)
-{
-    free(b->octants);
-    free(b->cells);
-    *b = (iso_cast_blocks){0};
 }

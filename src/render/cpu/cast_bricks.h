@@ -59,6 +59,27 @@ static inline uint32_t iso_cast_scalar_word(const iso_cast_scalars *s, float sca
     return word;
 }
 
+/* Voxels of a brick: of the grid, which repeats the outermost ones, and the box of the level that they come from. */
+typedef struct iso_cast_box {
+    size_t start[3], first[3], count[3];
+} iso_cast_box;
+iso_cast_box iso_cast_box_of(const size_t size[3], const size_t brick_count[3], size_t brick);
+
+/* Voxels of bricks as in iso_cast, one of the three. */
+typedef struct iso_cast_pool {
+    uint32_t *voxels;
+    uint16_t *integers;
+    float *floats;
+} iso_cast_pool;
+size_t iso_cast_voxel_bytes(const iso_cast_scalars *s, bool is_lit);
+/* Allocates `count` bricks, and a few bytes more that a fetch may reach. False: out of memory. */
+bool iso_cast_pool_create(iso_cast_pool *pool, const iso_cast_scalars *s, bool is_lit, size_t count, size_t *bytes);
+void *iso_cast_pool_array(const iso_cast_pool *pool);
+void iso_cast_pool_use(const iso_cast_pool *pool, iso_cast *c);
+/* Fills brick number `page` of the pool from the voxels of its box; codes are not read without light. */
+void iso_cast_pool_fill(const iso_cast_pool *pool, const iso_cast_scalars *s, bool is_signed, const size_t size[3],
+                        const iso_cast_box *box, const float *scalars, const uint8_t *codes, size_t page);
+
 /* Creates an array of grid->voxels elements, and a few bytes more that a fetch may reach; NULL: out of memory. So do
  * the functions down to iso_cast_brick_component(). */
 uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar);

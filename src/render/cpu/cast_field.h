@@ -37,14 +37,42 @@ typedef struct place {
     vf part[3];
 } place;
 
+CAST vi brick_at(const iso_cast *c, const vi cell[3])
+{
+    const int shift = ISO_CAST_BRICK_SHIFT;
+    const int32_t *stride = c->brick_stride;
+    return (cell[0] >> shift) * stride[0] + (cell[1] >> shift) * stride[1] + (cell[2] >> shift) * stride[2];
+}
+
+CAST vi in_brick(const vi cell[3])
+{
+    const int low = ISO_CAST_BRICK - 1;
+    return (cell[0] & low) + (cell[1] & low) * ISO_CAST_ROW + (cell[2] & low) * ISO_CAST_PLANE;
+}
+
 CAST vi first_voxel(const iso_cast *c, const vi cell[3], vi mask)
 {
-    const int32_t *stride = c->brick_stride;
-    const int low = ISO_CAST_BRICK - 1, shift = ISO_CAST_BRICK_SHIFT;
-    vi at = (cell[0] & low) + (cell[1] & low) * ISO_CAST_ROW + (cell[2] & low) * ISO_CAST_PLANE;
-    const vi brick = (cell[0] >> shift) * stride[0] + (cell[1] >> shift) * stride[1] + (cell[2] >> shift) * stride[2];
-    at += c->slots ? GATHER(c->slots, brick & mask, 4) : brick;
-    return at & mask;
+    const vi brick = brick_at(c, cell);
+    return (in_brick(cell) + (c->slots ? GATHER(c->slots, brick & mask, 4) : brick)) & mask;
+}
+
+/* Does the same after it has made the missing bricks. */
+CAST vi made_voxel(const iso_cast *c, const vi cell[3], vi mask)
+{
+    const vi bricks = brick_at(c, cell) & mask;
+    int32_t brick[ISO_CAST_WIDTH], slot[ISO_CAST_WIDTH];
+    memcpy(brick, &bricks, sizeof brick);
+    for (int i = 0; i < ISO_CAST_WIDTH; ++i)
+        slot[i] = __atomic_load_n(c->slots + brick[i], __ATOMIC_ACQUIRE);
+    vi at;
+    memcpy(&at, slot, sizeof at);
+    if (any((at < 0) & mask)) {
+        for (int i = 0; i < ISO_CAST_WIDTH; ++i)
+            if (mask[i] && slot[i] < 0)
+                slot[i] = c->make_brick(c->maker, brick[i]);
+        memcpy(&at, slot, sizeof at);
+    }
+    return (in_brick(cell) + at) & mask;
 }
 
 /* Asks the memory for the first voxels of cells, with their codes; the cells need not be there. */
@@ -121,7 +149,7 @@ CAST place place_of(const iso_cast *c, const points *p, vi mask)
 {
     if (c->places)
         return mixed_place_of(c, p, mask);
-    place at = {.voxel = first_voxel(c, p->cell, mask)};
+    place at = {.voxel = c->make_brick ? made_voxel(c, p->cell, mask) : first_voxel(c, p->cell, mask)};
     for (int a = 0; a < 3; ++a)
         at.part[a] = to_float((vi)(p->part[a] >> 8)) * 0x1p-24f;
     return at;

@@ -374,7 +374,7 @@ CAST void cast_packet(const iso_cast *c, size_t x, size_t y, float *rgba)
         sample found = next;
         look_at_place(c, &found, next_whole, active);
         advance(&p, active);
-        if (c->voxels)
+        if (c->voxels && !c->slots)
             fetch_ahead(c, &p);
         next.at = middles(&p, &next_whole);
         next.place = place_of(c, &next.at, p.k < p.count);

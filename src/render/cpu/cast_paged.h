@@ -17,13 +17,6 @@ CAST int count_of(vi mask)
     return count;
 }
 
-CAST vi brick_at(const iso_cast *c, const vi cell[3])
-{
-    const int shift = ISO_CAST_BRICK_SHIFT;
-    const int32_t *stride = c->brick_stride;
-    return (cell[0] >> shift) * stride[0] + (cell[1] >> shift) * stride[1] + (cell[2] >> shift) * stride[2];
-}
-
 static void ask(uint8_t *asked, int32_t brick, int which)
 {
     __atomic_store_n(asked + ISO_CAST_ASKED * (size_t)brick + which, 1, __ATOMIC_RELAXED);

@@ -18,6 +18,7 @@ struct iso_cpu_scene {
     size_t array_count;
     void *arrays[ISO_CAST_MOST_ARRAYS]; /* what cast points to, to be freed */
     iso_screen_reach reach;
+    struct iso_cast_maker *maker; /* or NULL */
 };
 
 /* Creates an empty scene for a width and threads. Release it after a failure, too. ISO_E_MEMORY, ISO_E_RANGE. */
@@ -31,6 +32,8 @@ iso_status iso_cast_use_blocks(iso_cpu_scene *s, const iso_geometry *g, const is
 iso_status iso_cast_own_tf(iso_cpu_scene *s, const iso_view *view, double min, double unit, iso_error *err);
 
 void iso_cast_set_camera(iso_cast *c, const iso_geometry *g, const iso_view *view, double step_mm);
+/* Sets normals from codes, or none without light. */
+void iso_cast_set_code(iso_cast *c, iso_code code, bool is_lit);
 void iso_cast_set_light(iso_cast *c, const iso_view *view);
 /* Sets the transfer function; call it after iso_cast_set_camera(). unit: value of one step of the bricks' scalars,
  * which begin at min, the level's least value. Returns the entries, which the caller frees, and their bytes; NULL: out

@@ -9,6 +9,7 @@
 #include "brick/occupancy.h"
 #include "render/cpu/cast.h"
 #include "render/cpu/cast_bricks.h"
+#include "render/cpu/cast_made.h"
 #include "render/cpu/cast_scene.h"
 #include "render/cpu/cast_width.h"
 #include "render/sampler.h"
@@ -126,6 +127,14 @@ void iso_cast_set_light(iso_cast *c, const iso_view *view)
 
 /* ---- the volume ---- */
 
+void iso_cast_set_code(iso_cast *c, iso_code code, bool is_lit)
+{
+    const iso_code_info *info = iso_code_describe(code);
+    c->normals = is_lit ? ISO_CAST_LATTICE : ISO_CAST_UNLIT;
+    c->is_signed = info->is_signed;
+    c->decoder = info->decoder;
+}
+
 iso_status iso_cast_own(iso_cpu_scene *s, void *array, size_t bytes, iso_error *err)
 {
     if (!array)
@@ -175,12 +184,8 @@ static iso_status set_codes(iso_cpu_scene *s, const iso_cast_grid *grid, const i
 {
     const iso_code_info *info = iso_code_describe(code);
     const iso_cast_scalars scalars = iso_cast_scalars_of(level);
-    iso_cast *c = &s->cast;
-    c->normals = ISO_CAST_LATTICE;
-    c->is_signed = info->is_signed;
-    c->decoder = info->decoder;
     uint32_t *made = iso_cast_brick_voxels(grid, &scalars, level->scalar, level->codes, info->is_signed);
-    c->voxels = made;
+    s->cast.voxels = made;
     return iso_cast_own(s, made, 2 * grid->voxels * sizeof *made, err);
 }
 
@@ -235,6 +240,35 @@ static iso_status set_bytes(iso_cpu_scene *s, const iso_cast_grid *grid, const u
     uint16_t *made = iso_cast_brick_bytes(grid, bytes);
     *out = made;
     return iso_cast_own(s, made, grid->voxels * sizeof *made, err);
+}
+
+/* Checks a level whose bricks are made from its samples: directions are its codes. */
+static iso_status check_samples(const iso_view *view, const iso_cpu_options *opt, iso_error *err)
+{
+    return (opt->source == ISO_FROM_CODES || !iso_view_is_lit(view)) && !view->tf_2d && !view->extinction_scale
+               ? ISO_OK
+               : iso_fail(err, ISO_E_RANGE,
+                          "cpu: other directions than codes, 2D transfer functions and scales of extinction need a "
+                          "whole level");
+}
+
+/* Sets voxels, directions and channels of a whole level. */
+static iso_status set_level(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_level *level, iso_code code,
+                            const iso_view *view, const iso_cpu_options *opt, iso_error *err)
+{
+    const bool is_lit = iso_view_is_lit(view), has_codes = is_lit && opt->source == ISO_FROM_CODES;
+    int32_t stride = ISO_CAST_VOXELS;
+    for (int a = 0; a < 3; ++a) {
+        s->cast.brick_stride[a] = stride;
+        stride = (int32_t)((size_t)stride * grid->count[a]);
+    }
+    iso_status status = has_codes ? set_codes(s, grid, level, code, err) : set_scalar(s, grid, level, err);
+    if (status == ISO_OK && is_lit && !has_codes)
+        status = set_directions(s, grid, level, code, opt->source, err);
+    if (status == ISO_OK && view->tf_2d)
+        status = set_bytes(s, grid, view->tf_2d->bytes, &s->cast.second, err);
+    TRY(status, set_bytes(s, grid, view->extinction_scale, &s->cast.scale, err));
+    return status;
 }
 
 /* ---- the transfer function ---- */
@@ -311,14 +345,22 @@ iso_status iso_cast_use_blocks(iso_cpu_scene *s, const iso_geometry *g, const is
     return status == ISO_OK ? owned : status;
 }
 
-static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, const iso_view *view, const iso_cpu_options *opt,
-                             iso_error *err)
+/* Finds empty space, and sets bricks that are made on demand. */
+static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, iso_code code, const iso_view *view,
+                             const iso_cpu_options *opt, iso_error *err)
 {
+    const bool looks = opt->skip != ISO_CPU_SKIP_NEVER;
     iso_tf_table envelope = {0};
     iso_cast_blocks blocks = {0};
     iso_status status = view->tf_2d ? iso_tf_2d_envelope(view->tf_2d, &envelope, err) : ISO_OK;
-    TRY(status, iso_cast_blocks_create(&blocks, level, view->tf_2d ? &envelope : &view->tf, s->threads, err));
-    if (status == ISO_OK && (opt->skip == ISO_CPU_SKIP_ALWAYS || blocks.occupied <= ISO_CPU_SKIP_OCCUPIED))
+    if (status == ISO_OK && looks)
+        status = iso_cast_blocks_create(&blocks, level, view->tf_2d ? &envelope : &view->tf, s->threads, err);
+    const bool skips = looks && (opt->skip == ISO_CPU_SKIP_ALWAYS || blocks.occupied <= ISO_CPU_SKIP_OCCUPIED);
+    if (status == ISO_OK && !level->scalar)
+        status = iso_cast_make_on_demand(
+            &s->maker, &s->cast,
+            &(iso_cast_made){level, code, iso_cast_scalars_of(level), skips ? &blocks : NULL, s->threads}, err);
+    if (status == ISO_OK && skips)
         status = iso_cast_use_blocks(s, &level->geometry, view, &blocks, err);
     iso_cast_blocks_destroy(&blocks);
     iso_tf_table_destroy(&envelope);
@@ -354,27 +396,17 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
         return status;
     const iso_cast_scalars scalars = iso_cast_scalars_of(level);
     const double unit = iso_cast_unit(&scalars);
-    const bool is_lit = iso_view_is_lit(view), has_codes = is_lit && opt->source == ISO_FROM_CODES;
-    int32_t stride = ISO_CAST_VOXELS;
-    for (int a = 0; a < 3; ++a) {
+    for (int a = 0; a < 3; ++a)
         s->cast.size[a] = (int32_t)g->size[a];
-        s->cast.brick_stride[a] = stride;
-        stride = (int32_t)((size_t)stride * grid.count[a]);
-    }
     iso_cast_set_camera(&s->cast, g, view, step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g)));
     iso_cast_set_light(&s->cast, view);
+    iso_cast_set_code(&s->cast, code, iso_view_is_lit(view));
     s->cast.labels = level->labels;
     s->cast.has_integers = scalars.are_integers;
     set_gradient(&s->cast, level, unit);
-    status = has_codes ? set_codes(s, &grid, level, code, err) : set_scalar(s, &grid, level, err);
-    if (status == ISO_OK && is_lit && !has_codes)
-        status = set_directions(s, &grid, level, code, opt->source, err);
-    if (status == ISO_OK && view->tf_2d)
-        status = set_bytes(s, &grid, view->tf_2d->bytes, &s->cast.second, err);
-    TRY(status, set_bytes(s, &grid, view->extinction_scale, &s->cast.scale, err));
+    status = level->scalar ? set_level(s, &grid, level, code, view, opt, err) : check_samples(view, opt, err);
     TRY(status, iso_cast_own_tf(s, view, level->min, unit, err));
-    if (status == ISO_OK && opt->skip != ISO_CPU_SKIP_NEVER)
-        status = set_blocks(s, level, view, opt, err);
+    TRY(status, set_blocks(s, level, code, view, opt, err));
     return status;
 }
 
@@ -408,12 +440,13 @@ void iso_cpu_release(iso_cpu_scene *s)
     for (size_t i = 0; i < s->array_count; ++i)
         free(s->arrays[i]);
     iso_screen_reach_destroy(&s->reach);
+    iso_cast_maker_destroy(s->maker);
     free(s);
 }
 
 double iso_cpu_bytes(const iso_cpu_scene *s)
 {
-    return s->bytes;
+    return s->bytes + (s->maker ? iso_cast_maker_bytes(s->maker) : 0);
 }
 
 void iso_cpu_draw(const iso_cpu_scene *s, iso_image *image)

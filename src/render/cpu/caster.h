@@ -49,12 +49,13 @@ bool iso_cpu_takes(const iso_geometry *g);
 /* A level and a view, ready to be drawn any number of times. */
 typedef struct iso_cpu_scene iso_cpu_scene;
 
-/* Creates a scene; level and view must outlive it. ISO_E_USAGE: a region of interest. ISO_E_RANGE: a step of 0 or less,
- * more than 2^31 voxels in bricks, an unsupported width, or a source missing in the level. ISO_E_MEMORY. */
+/* Creates a scene; level and view must outlive it. From a level that has `samples` (pyramid/narrow.h) bricks are made
+ * when rays need them; directions must then be codes. ISO_E_USAGE: a region of interest. ISO_E_RANGE: a step of 0
+ * or less, more than 2^31 voxels in bricks, an unsupported width, or a source missing in the level. ISO_E_MEMORY. */
 iso_status iso_cpu_prepare(iso_cpu_scene **scene, const iso_level *level, iso_code code, const iso_view *view,
                            const iso_cpu_options *opt, iso_error *err);
 void iso_cpu_release(iso_cpu_scene *scene); /* accepts NULL */
-/* Returns the bytes that drawing a picture reads. */
+/* Returns the bytes that drawing a picture reads; of bricks, those made so far. */
 double iso_cpu_bytes(const iso_cpu_scene *scene);
 /* Fills an image of the view's size. */
 void iso_cpu_draw(const iso_cpu_scene *scene, iso_image *image);

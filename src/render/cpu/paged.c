@@ -29,9 +29,7 @@ typedef struct paged {
     iso_cast_rays *rays; /* a tile each */
     /* the pool */
     size_t pool, next;  /* pages, and the one that is replaced next: the oldest */
-    uint32_t *voxels;   /* or, without light: */
-    uint16_t *integers; /* or */
-    float *floats;
+    iso_cast_pool voxels;
     int32_t *holds; /* the brick of each page, or -1 */
     int32_t *list;  /* the pages to be loaded */
     iso_paged_stats *stats;
@@ -39,10 +37,7 @@ typedef struct paged {
 
 static size_t page_bytes(const paged *p)
 {
-    const size_t voxel = p->is_lit                 ? 2 * sizeof *p->voxels
-                         : p->scalars.are_integers ? sizeof *p->integers
-                                                   : sizeof *p->floats;
-    return ISO_CAST_VOXELS * voxel + sizeof *p->holds + sizeof *p->list;
+    return ISO_CAST_VOXELS * iso_cast_voxel_bytes(&p->scalars, p->is_lit) + sizeof *p->holds + sizeof *p->list;
 }
 
 static double fixed_bytes(const paged *p, const iso_view *view)
@@ -106,21 +101,16 @@ static iso_status allocate(paged *p, const iso_view *view, double memory_bytes, 
     const size_t most = (size_t)(INT32_MAX / ISO_CAST_VOXELS) - 1;
     p->pool = room < (double)most ? (size_t)room : most;
     p->pool = p->pool < p->bricks ? p->pool : p->bricks;
-    const size_t tiles = p->tiles[0] * p->tiles[1], voxels = p->pool * ISO_CAST_VOXELS;
+    const size_t tiles = p->tiles[0] * p->tiles[1];
+    size_t bytes;
     p->distance = malloc(p->blocks + 4); /* four bytes are fetched for one */
     p->asked = calloc(p->bricks, ISO_CAST_ASKED);
     p->slots = malloc(p->bricks * sizeof *p->slots);
     p->rays = calloc(tiles, sizeof *p->rays);
     p->holds = malloc(p->pool * sizeof *p->holds);
     p->list = malloc(p->pool * sizeof *p->list);
-    if (p->is_lit)
-        p->cast.voxels = p->voxels = malloc((voxels + 4) * 2 * sizeof *p->voxels);
-    else if (p->scalars.are_integers)
-        p->cast.integers = p->integers = malloc((voxels + 4) * sizeof *p->integers);
-    else
-        p->cast.floats = p->floats = malloc((voxels + 4) * sizeof *p->floats);
     if (!p->distance || !p->asked || !p->slots || !p->rays || !p->holds || !p->list ||
-        !(p->voxels || p->integers || p->floats))
+        !iso_cast_pool_create(&p->voxels, &p->scalars, p->is_lit, p->pool, &bytes))
         return iso_fail(err, ISO_E_MEMORY, "paged: no memory for %zu pages", p->pool);
     memset(p->distance + p->blocks, 0, 4);
     for (size_t i = 0; i < p->pool; ++i)
@@ -128,6 +118,7 @@ static iso_status allocate(paged *p, const iso_view *view, double memory_bytes, 
     for (size_t i = 0; i < tiles; ++i)
         for (size_t k = 0; k < ISO_CAST_RAYS; ++k)
             p->rays[i].wants[k] = ISO_CAST_NEW;
+    iso_cast_pool_use(&p->voxels, &p->cast);
     p->cast.slots = p->slots;
     p->cast.distance = p->distance;
     p->stats->pool_bricks = p->pool;
@@ -143,9 +134,7 @@ static void release(paged *p)
     free(p->asked);
     free(p->slots);
     free(p->rays);
-    free(p->voxels);
-    free(p->integers);
-    free(p->floats);
+    free(iso_cast_pool_array(&p->voxels));
     free(p->holds);
     free(p->list);
 }
@@ -153,16 +142,13 @@ static void release(paged *p)
 static iso_status set_scene(paged *p, iso_code code, const iso_view *view, double step_voxels, iso_error *err)
 {
     const iso_geometry *g = &p->level->geometry;
-    const iso_code_info *info = iso_code_describe(code);
     size_t bytes;
     iso_cast *c = &p->cast;
     iso_cast_set_camera(c, g, view, step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g)));
     iso_cast_set_light(c, view);
     c->labels = p->level->labels;
     c->has_integers = p->scalars.are_integers;
-    c->normals = p->is_lit ? ISO_CAST_LATTICE : ISO_CAST_UNLIT;
-    c->is_signed = info->is_signed;
-    c->decoder = info->decoder;
+    iso_cast_set_code(c, code, p->is_lit);
     p->entries = iso_cast_set_tf(c, view, p->level->min, iso_cast_unit(&p->scalars), &bytes);
     return p->entries ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "paged: no memory for the transfer function");
 }
@@ -255,61 +241,17 @@ static iso_status find_empty(paged *p, const iso_tf_table *tf, const iso_progres
 
 /* ---- pages ---- */
 
-/* A brick of at most 17^3 voxels, as they are in the level's files. */
-typedef struct brick_box {
-    size_t start[3], first[3], count[3]; /* start: of its grid with copies of the outermost voxels */
-} brick_box;
-
-static brick_box box_of(const paged *p, size_t brick)
-{
-    const size_t *n = p->brick_count, at[3] = {brick % n[0], brick / n[0] % n[1], brick / (n[0] * n[1])};
-    brick_box box;
-    for (int a = 0; a < 3; ++a) {
-        const size_t size = p->level->geometry.size[a];
-        box.start[a] = at[a] * ISO_CAST_BRICK;
-        box.first[a] = iso_cast_inner(box.start[a], size);
-        box.count[a] = iso_cast_inner(box.start[a] + ISO_CAST_BRICK, size) - box.first[a] + 1;
-    }
-    return box;
-}
-
-/* Returns the index within the box of the page's voxel i. */
-static size_t in_box(const paged *p, const brick_box *box, const size_t i[3])
-{
-    size_t at[3];
-    for (int a = 0; a < 3; ++a)
-        at[a] = iso_cast_inner(box->start[a] + i[a], p->level->geometry.size[a]) - box->first[a];
-    return at[0] + box->count[0] * (at[1] + box->count[1] * at[2]);
-}
-
-static void fill_page(paged *p, const brick_box *box, const float *scalars, const uint8_t *codes, size_t page)
-{
-    size_t out = page * ISO_CAST_VOXELS, i[3];
-    for (i[2] = 0; i[2] < ISO_CAST_ROW; ++i[2])
-        for (i[1] = 0; i[1] < ISO_CAST_ROW; ++i[1])
-            for (i[0] = 0; i[0] < ISO_CAST_ROW; ++i[0], ++out) {
-                const size_t v = in_box(p, box, i);
-                if (p->voxels) {
-                    p->voxels[2 * out] = iso_cast_code_word(codes + 3 * v, p->cast.is_signed);
-                    p->voxels[2 * out + 1] = iso_cast_scalar_word(&p->scalars, scalars[v]);
-                } else if (p->integers) {
-                    p->integers[out] = iso_cast_integer(&p->scalars, scalars[v]);
-                } else {
-                    p->floats[out] = iso_cast_part(&p->scalars, scalars[v]);
-                }
-            }
-}
-
 static iso_status load_page(paged *p, size_t page, iso_error *err)
 {
     float scalars[ISO_CAST_VOXELS];
     uint8_t codes[3 * ISO_CAST_VOXELS];
-    const brick_box box = box_of(p, (size_t)p->holds[page]);
+    const iso_cast_box box = iso_cast_box_of(p->level->geometry.size, p->brick_count, (size_t)p->holds[page]);
     iso_status status = iso_level_pages_scalars(p->pages, box.first, box.count, scalars, err);
-    if (status == ISO_OK && p->voxels)
+    if (status == ISO_OK && p->is_lit)
         status = iso_level_pages_codes(p->pages, box.first, box.count, codes, err);
     if (status == ISO_OK)
-        fill_page(p, &box, scalars, codes, page);
+        iso_cast_pool_fill(&p->voxels, &p->scalars, p->cast.is_signed, p->level->geometry.size, &box, scalars, codes,
+                           page);
     return status;
 }
 
