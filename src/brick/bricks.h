@@ -91,12 +91,6 @@ void iso_brick_forget(const iso_node_levels *n, size_t brick);
 /* Reads `count` voxels of the row (y, z) of level 0 from x on. */
 void iso_node_levels_voxels(const iso_node_levels *n, size_t x, size_t y, size_t z, size_t count, float *restrict row);
 
-/* Creates nodes from the levels of a pyramid instead of its level 0: a node of level l is interpolated among that
- * level's voxels, cubically in the scalar (clamped to the range of the eight voxels around), linearly in the decoded
- * directions. Bricks are as continuous and as fast to draw as with the filters above but blurrier, because the voxels
- * are already means. ISO_E_RANGE, ISO_E_MEMORY. */
-iso_status iso_node_levels_create_from_cells(iso_node_levels *n, const iso_pyramid *p, size_t brick_voxels,
-                                             size_t level_count, int threads, iso_error *err);
 /* Rounds the nodes of all levels to the values of a 16-bit cache: scalars to 65535 steps of the range, directions to
  * 1/32767. Call it before faces are baked: fine face nodes are interpolated from rounded coarse ones. */
 void iso_node_levels_round(iso_node_levels *n);

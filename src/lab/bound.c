@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "base/file.h"
+#include "lab/image_bound_rays.h"
 #include "lab/lab.h"
 #include "lab/volumes.h"
 #include "compare/metrics.h"

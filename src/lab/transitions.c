@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/parallel.h"
 #include "compare/metrics.h"
 #include "image/image.h"
 #include "options/input.h"
@@ -150,6 +151,83 @@ static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const bench_fi
 
 /* ---- nodes against cells ------------------------------------------------------ */
 
+
+/* Position of a node of a level among the level's cells along an axis: the four cells around and their weights, of the
+ * cubic through them [catmull-1974], or linear in the two in the middle. */
+typedef struct cell_stencil {
+    size_t cell[4];
+    float cubic[4], linear[4];
+} cell_stencil;
+
+static cell_stencil among_cells(size_t node, size_t level, size_t size)
+{
+    const double x = (double)node + ldexp(0.5, -(int)level) - 0.5, low = floor(x);
+    const float t = (float)(x - low);
+    cell_stencil s = {.cubic = {0.5f * t * (-1 + t * (2 - t)), 1 + 0.5f * t * t * (3 * t - 5),
+                                0.5f * t * (1 + t * (4 - 3 * t)), 0.5f * t * t * (t - 1)},
+                      .linear = {0, 1 - t, t, 0}};
+    for (int i = 0; i < 4; ++i)
+        s.cell[i] = (size_t)fmin(fmax(low + i - 1, 0), (double)(size - 1));
+    return s;
+}
+
+/* Interpolates a node: the scalar cubically, clamped to the range of the eight cells around; the direction linearly. */
+static void node_from_cells(const iso_level *level, const float *directions, const cell_stencil s[3],
+                            float node[ISO_NODE_CHANNELS])
+{
+    const size_t *size = level->geometry.size;
+    float lowest = INFINITY, highest = -INFINITY;
+    memset(node, 0, ISO_NODE_CHANNELS * sizeof *node);
+    for (size_t z = 0; z < 4; ++z)
+        for (size_t y = 0; y < 4; ++y)
+            for (size_t x = 0; x < 4; ++x) {
+                const size_t v = s[0].cell[x] + size[0] * (s[1].cell[y] + size[1] * s[2].cell[z]);
+                const float weight = s[0].linear[x] * s[1].linear[y] * s[2].linear[z];
+                node[0] += s[0].cubic[x] * s[1].cubic[y] * s[2].cubic[z] * level->scalar[v];
+                if (weight == 0)
+                    continue;
+                lowest = fminf(lowest, level->scalar[v]);
+                highest = fmaxf(highest, level->scalar[v]);
+                for (size_t a = 0; a < 3; ++a)
+                    node[1 + a] += weight * directions[3 * v + a];
+            }
+    node[0] = fminf(fmaxf(node[0], lowest), highest);
+}
+
+/* Creates nodes from the levels of a pyramid instead of its level 0: blurrier, because the voxels are already means. */
+static iso_status create_from_cells(iso_node_levels *n, const iso_pyramid *p, size_t brick_voxels, size_t level_count,
+                                    int threads, iso_error *err)
+{
+    if (level_count > p->level_count)
+        return iso_fail(err, ISO_E_RANGE, "bricks: %zu levels requested, the pyramid has %zu", level_count,
+                        p->level_count);
+    /* Its nodes are replaced. */
+    iso_status status = iso_node_levels_create(n, &p->levels[0], brick_voxels, level_count, true, threads, err);
+    for (size_t l = 0; l < level_count && status == ISO_OK; ++l) {
+        const iso_level *level = &p->levels[l];
+        const size_t *size = level->geometry.size, voxels = iso_geometry_voxel_count(&level->geometry);
+        const size_t nx = iso_node_count(n, l, 0), ny = iso_node_count(n, l, 1), nz = iso_node_count(n, l, 2);
+        float *directions = malloc(3 * voxels * sizeof *directions);
+        if (!directions) {
+            status = iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu directions", voxels);
+            break;
+        }
+        iso_code_decode_all(p->options.code, level->codes, directions, voxels);
+#pragma omp parallel for schedule(static) num_threads(iso_threads(threads))
+        for (size_t z = 0; z < nz; ++z)
+            for (size_t y = 0; y < ny; ++y)
+                for (size_t x = 0; x < nx; ++x) {
+                    const cell_stencil s[3] = {among_cells(x, l, size[0]), among_cells(y, l, size[1]),
+                                               among_cells(z, l, size[2])};
+                    node_from_cells(level, directions, s, n->nodes[l] + ISO_NODE_CHANNELS * (x + nx * (y + ny * z)));
+                }
+        free(directions);
+    }
+    if (status != ISO_OK)
+        iso_node_levels_destroy(n);
+    return status;
+}
+
 /* How a whole level is made. LEVEL_FROM_CELLS: from a pyramid's cells, the only values that are stored. */
 typedef enum level_kind { LEVEL_CELLS, LEVEL_SMOOTH, LEVEL_SHARP, LEVEL_FROM_CELLS, LEVEL_KINDS } level_kind;
 static const char *const level_kind_names[LEVEL_KINDS] = {"cells", "nodes-smooth", "nodes-sharp", "nodes-from-cells"};
@@ -238,8 +316,7 @@ static iso_status compare_nodes_with_cells(const level_comparison *c, const iso_
                                                   &(iso_node_options){sharp->brick_voxels, sharp->level_count,
                                                                       ISO_NODES_SMOOTH, true, cli->threads},
                                                   err);
-    TRY(status,
-        iso_node_levels_create_from_cells(&from_cells, p, sharp->brick_voxels, sharp->level_count, cli->threads, err));
+    TRY(status, create_from_cells(&from_cells, p, sharp->brick_voxels, sharp->level_count, cli->threads, err));
     if (!cli->json) {
         printf("\nwhole levels against level 0, shaded: RMSE and SSIM\n%-8s %5s", "tf", "level");
         for (int i = 0; i < LEVEL_KINDS; ++i)

@@ -38,9 +38,4 @@ size_t iso_image_bound_points(double voxels);
 /* Bounds the RMSE. ISO_E_RANGE: a view without a bound (see above). ISO_E_MEMORY. */
 iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, iso_error *err);
 
-/* Computes the same integral along the rays themselves, of absolute values as in the bound, but of the actual T and L.
- * It lies between the RMSE and the bound. Its excess over the RMSE is due to cancellation; the excess of the bound over
- * it is due to regions that stand for their rays. It costs as much as the images. */
-iso_status iso_image_bound_without_signs(const iso_image_bound_input *in, double *rmse, iso_error *err);
-
 #endif

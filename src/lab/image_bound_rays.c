@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* image_bound_rays.c - how much of the bound is signs: its integrand along the rays themselves, with the transmittance
  * and the light that are there, and nothing given away but that absolute values are taken. */
+#include "lab/image_bound_rays.h"
+
 #include <math.h>
 #include <stdlib.h>
 
