@@ -47,6 +47,7 @@ SMALL = [
     ("isoshade-lab encode", "--count 200 --size 12"),
     ("isoshade-lab gradient", "--size 32"),
     ("isoshade-lab palette", "--steps 4 --seeds 1 --entries 60"),
+    ("isoshade-lab transitions", "--image 32 --runs 1 --bricks 8"),
     ("isoshade-lab fit", "--levels 2"),
     ("isoshade-lab seams", "--layouts 2"),
     ("isoshade-lab ghosts", "--levels 2"),
