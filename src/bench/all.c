@@ -228,21 +228,21 @@ static void print_row(const json_t *row, const char *other_cause, bool quick)
     if (json_is_number(limit) && !quick)
         snprintf(bar, sizeof bar, "%s %.4g", json_is_true(json_object_get(row, "lower_is_better")) ? "<=" : ">=",
                  json_number_value(limit));
-    printf("%-14s %9s %-16s %-10s %-7s %s\n", json_string_value(json_object_get(row, "name")), value,
+    printf("%-17s %9s %-16s %-10s %-7s %s\n", json_string_value(json_object_get(row, "name")), value,
            json_string_value(json_object_get(row, "unit")), bar,
            json_is_true(met) ? "met" : json_is_false(met) ? "missed" : "",
            json_string_value(json_object_get(row, "sentence")));
     if (cause)
-        printf("%-14s %s\n", "", json_string_value(cause));
+        printf("%-17s %s\n", "", json_string_value(cause));
     if (other_cause)
-        printf("%-14s beside: %s\n", "", other_cause);
+        printf("%-17s beside: %s\n", "", other_cause);
 }
 
 static void print_all(const all_bench *b, const json_t *ours)
 {
     const json_t *row;
     size_t i, shown = 0;
-    printf("%-14s %9s %-16s %-10s\n", "figure", "median", "", b->quick ? "" : "bar");
+    printf("%-17s %9s %-16s %-10s\n", "figure", "median", "", b->quick ? "" : "bar");
     for (i = 0; i < iso_headline_count; ++i) {
         if (!is_requested(b, i))
             continue;

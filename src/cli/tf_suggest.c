@@ -119,7 +119,7 @@ iso_status iso_cli_tf_suggest(const iso_tf_arguments *a, iso_error *err)
     build.threads = a->cli->threads;
     build.level_count = 1;
     iso_status status = iso_names_find(&iso_tf_preset_names, preset, &row, err);
-    TRY(status, iso_subject_load_pyramid(a->cli->arguments[1], &a->input, &build, &progress, &p, err));
+    TRY(status, iso_subject_begin_pyramid(a->cli->arguments[1], &a->input, &build, &progress, &p, err));
     TRY(status, iso_survey_make(&p.levels[0], a->cli->threads, &survey, err));
     TRY(status, iso_suggest(survey, &p.levels[0].geometry, &found, err));
     TRY(status, iso_tf_preset_apply(row, survey, &p.levels[0].geometry, &tf, err));
