@@ -18,7 +18,7 @@
 #define EXPORT(to, name) \
     {"export volume.nrrd --to " to " -o " name, "export volume.nrrd --to " to " -o " name}
 
-/* Commands that a person waits for: of a brain of 301 x 370 x 316 bytes, which Debian's mricron-data installs packed. */
+/* Commands that a person waits for: of a packed brain of 301 x 370 x 316 bytes, from Debian's mricron-data. */
 #define BRAIN "/usr/share/mricron/templates/ch2better.nii.gz"
 #define FOR_BRAIN(verb, options) {verb " " BRAIN " " options, verb " volume.nrrd " options}
 #define FIRST FOR_BRAIN("render", "-o first.png")
@@ -28,13 +28,13 @@
 const iso_headline iso_headlines[] = {
     {"first-picture", "a first picture of a brain", FIRST, "process.seconds", NULL, "s", NULL, true, 0.9},
     {"first-peak", "memory of the same", FIRST, "process.peak_bytes", NULL, "bytes", NULL, true, 1.76e8},
-    {"first-picture-512", "a first picture of 512 x 512 x 512 bytes", FIRST_512, "process.seconds", NULL, "s", NULL, true,
-     1.5},
+    {"first-picture-512", "a first picture of 512 x 512 x 512 bytes", FIRST_512, "process.seconds", NULL, "s", NULL,
+     true, 1.5},
     {"first-peak-512", "memory of the same", FIRST_512, "process.peak_bytes", NULL, "bytes", NULL, true, 6e8},
-    {"suggest", "a transfer function for the brain", FOR_BRAIN("tf suggest", "-o first.tf.json"), "process.seconds", NULL,
-     "s", NULL, true, 0.6},
-    {"view", "a page that draws the brain", FOR_BRAIN("view", "-o first.html"), "process.seconds", NULL, "s", NULL, true,
-     1.5},
+    {"suggest", "a transfer function for the brain", FOR_BRAIN("tf suggest", "-o first.tf.json"), "process.seconds",
+     NULL, "s", NULL, true, 0.6},
+    {"view", "a page that draws the brain", FOR_BRAIN("view", "-o first.html"), "process.seconds", NULL, "s", NULL,
+     true, 1.5},
     {"scenes", "a contact sheet of the brain", FOR_BRAIN("scenes", "-o scenes.png"), "process.seconds", NULL, "s", NULL,
      true, 2},
     {"plan", "a plan for the brain", PLAN, "process.seconds", NULL, "s", NULL, true, 5},
