@@ -6,7 +6,7 @@
 
 #include "renderers/renderers.h"
 #include "scene/scene.h"
-#include "test.h"
+#include "sampled.h"
 #include "volume/synthetic.h"
 
 static iso_renderers renderers;
@@ -21,12 +21,9 @@ static inline int end_renderers(void **state)
 /* Of bytes, with so many levels. */
 static inline iso_pyramid build_field(const iso_field *field, size_t levels)
 {
-    OWNED(iso_volume) v;
-    iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = levels;
-    assert_ok(iso_field_sample(field, ISO_U8, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "field", &opt, &p, NULL, &err));
+    iso_pyramid p = sampled_pyramid(field, ISO_U8, &opt);
     return p;
 }
 

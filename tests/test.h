@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* test.h - cmocka, and comparisons that NaN fails. */
+/* test.h - cmocka, common headers of the C library, and comparisons that NaN fails. */
 #ifndef ISO_TEST_H
 #define ISO_TEST_H
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -67,9 +70,11 @@ static inline int run_cases(CMFixtureFunction setup, CMFixtureFunction teardown)
     }
 /* clang-format on */
 
-/* Variables that are destroyed, or freed, at the end of their block: OWNED(iso_image) a = ..., b; FREED char *text; */
-#define OWNED(type) __attribute__((cleanup(type##_destroy))) type
-#define FREED __attribute__((cleanup(iso_free_held)))
+/* What holds a variable is destroyed, or freed, at the end of its block: OWNED(iso_image) a = ..., b;
+ * ENDED_BY(close_subject) subject s = ...; FREED char *text = ... JSON has json_auto_t. */
+#define ENDED_BY(function) __attribute__((cleanup(function)))
+#define OWNED(type) ENDED_BY(type##_destroy) type
+#define FREED ENDED_BY(iso_free_held)
 static inline void iso_free_held(void *pointer)
 {
     free(*(void **)pointer);

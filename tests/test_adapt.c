@@ -2,9 +2,6 @@
 #include "joint_pyramids.h"
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "base/file.h"
@@ -224,7 +221,7 @@ TEST(a_table_as_a_tf_file_gives_the_same_entries_back)
 {
     OWNED(iso_tf_table) tf = make_tf(), back;
     tf.entries[4 * 6 + 3] = 50; /* 1 mm of it would be opaque beyond the cap */
-    iso_tf file;
+    OWNED(iso_tf) file;
     iso_geometry g = spacing_of(3);
     assert_ok(iso_tf_from_table(&tf, &file, &err));
     assert_ok(iso_tf_tabulate(&file, 0, 1, &g, &back, &err));
@@ -233,7 +230,6 @@ TEST(a_table_as_a_tf_file_gives_the_same_entries_back)
     assert_within(back.hi, tf.hi, 0);
     for (size_t i = 0; i < 4 * tf.count; ++i)
         assert_within(back.entries[i], (double)tf.entries[i], 1e-5); /* a logarithm near opacity .98 */
-    iso_tf_destroy(&file);
 }
 
 TEST(judgment_is_the_error_at_the_voxels)

@@ -2,10 +2,6 @@
 #include "test.h"
 #include "gl.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "tf/adapt.h"
 
 /* A homogeneous block of 50 in the planes x < 4, and a plate of 100 in x = 7 and 8, which fills half of its coarse

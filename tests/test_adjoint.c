@@ -4,10 +4,6 @@
 #include "rendered.h"
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/random.h"
 #include "render/cpu/adjoint.h"
 

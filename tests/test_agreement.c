@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Which direction filter a level gets by itself: closed forms of the figures, and that a level is that of the filter
  * named. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "pyramid/agreement.h"
 #include "pyramid/pyramid_verify.h"
 #include "tests/test.h"
 #include "volume/synthetic.h"
-
 
 static iso_pyramid build(const iso_volume *v, iso_direction_filter filter)
 {

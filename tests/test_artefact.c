@@ -2,9 +2,6 @@
 /* test_artefact.c - what is exported is moved, opened by the program itself, and shows what was validated; planted
  * faults of an export are seen. */
 #define _GNU_SOURCE
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* test_atlas.c - every failure of the atlas is still one, and every fallback still corrects it: a test a case. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/file.h"
 #include "base/json.h"
 #include "atlas/atlas.h"
@@ -63,7 +59,7 @@ TEST(the_scene_is_a_scene_file)
         const iso_atlas_scene *s = &iso_atlas_cases[i].scene;
         if (!s->field)
             continue;
-        json_t *json = iso_atlas_scene_to_json(s, "comment");
+        json_auto_t *json = iso_atlas_scene_to_json(s, "comment");
         OWNED(iso_scene) scene;
         assert_non_null(json);
         assert_ok(iso_json_save(path, json, &err));
@@ -72,7 +68,6 @@ TEST(the_scene_is_a_scene_file)
         assert_int_equal(scene.tf.point_count, s->band ? 5 : 4);
         assert_within(scene.tf.points[1].value, s->lo, 0);
         assert_true(scene.orthographic && scene.height_mm > 1);
-        json_decref(json);
     }
     free(path);
 }

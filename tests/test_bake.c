@@ -4,10 +4,6 @@
 #define _GNU_SOURCE
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "bake/grids.h"
 #include "base/file.h"
 #include "vdb/vdb.h"

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Cycles and the exported .blend against the converged reference. Blender has to be there. */
 #define _GNU_SOURCE
-#include "test.h"
+#include "sampled.h"
 #include "cycles.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -99,11 +96,9 @@ static subject open_subject(const scene_case *c)
     subject s = {.dir = iso_make_temp_dir()};
     iso_field field = {.kind = c->field, .geometry = skew_geometry(c->shear, c->scale), .seed = 5};
     field.geometry.origin_mm = iso_add(field.geometry.origin_mm, c->away_mm);
-    OWNED(iso_volume) v = {0};
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
-    assert_ok(iso_field_sample(&field, c->type, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "a test", &opt, &s.pyramid, NULL, &err));
+    s.pyramid = sampled_pyramid(&field, c->type, &opt);
     make_view(s.dir, &s.pyramid, c, &s.view);
     return s;
 }
@@ -157,14 +152,13 @@ static double rmse_of_color(const iso_image *a, const iso_image *b)
 
 static void check_case(const scene_case *c, double limit)
 {
-    subject s = open_subject(c);
+    ENDED_BY(close_subject) subject s = open_subject(c);
     OWNED(iso_image) want = reference(&s, c->level, &s.view), have = cycles(&s, c->level, 1.0 / 16);
     float seen = 0;
     for (size_t i = 3; i < 4 * want.width * want.height; i += 4)
         seen = fmaxf(seen, want.rgba[i]);
     assert_more_than((double)seen, 0.3); /* the volume is in the picture */
     assert_at_most(rmse(&have, &want), limit);
-    close_subject(&s);
 }
 
 /* Values of both signs, and opacity at the border: the box is cut within a step. */
@@ -214,6 +208,7 @@ VALUES_TEST(thin_shells_under_the_microscope_agree_at_a_coarse_level)
 TEST(thin_shells_agree_within_the_error_bar_and_faults_do_not)
 {
     need_cycles();
+    ENDED_BY(close_subject)
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SHELLS, .type = ISO_F32, .tf = thin_tf});
     iso_image want = reference(&s, 0, &s.view), fine = cycles(&s, 0, 1.0 / 16), coarse = cycles(&s, 0, 1.0 / 8);
     double error = rmse(&fine, &want), bar = rmse(&fine, &coarse);
@@ -256,13 +251,13 @@ TEST(thin_shells_agree_within_the_error_bar_and_faults_do_not)
     iso_image_destroy(&want);
     iso_image_destroy(&fine);
     iso_image_destroy(&coarse);
-    close_subject(&s);
 }
 
 /* Steps and seeds change from frame to frame, nothing else: each picture is that of a run of its own. */
 TEST(frames_of_one_run_are_the_pictures_of_single_runs)
 {
     need_cycles();
+    ENDED_BY(close_subject)
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SHELLS, .type = ISO_F32, .tf = thin_tf});
     iso_blender_options frames[3] = {iso_blender_defaults(), iso_blender_defaults(), iso_blender_defaults()};
     frames[0].step_voxels = 1.0 / 8;
@@ -282,7 +277,6 @@ TEST(frames_of_one_run_are_the_pictures_of_single_runs)
                   ISO_E_RANGE);
     assert_null(pictures[0].rgba); /* all or none */
     iso_image_destroy(&alone);
-    close_subject(&s);
 }
 
 /* Cycles takes seeds that differ in their last bit alone for the same one: what is given to it differs elsewhere
@@ -291,6 +285,7 @@ VALUES_TEST(each_seed_has_a_noise_of_its_own)
 {
     need_cycles();
     enum { count = 6 };
+    ENDED_BY(close_subject)
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SHELLS, .type = ISO_F32, .tf = thin_tf});
     iso_blender_options frames[count];
     iso_image pictures[count];
@@ -306,7 +301,6 @@ VALUES_TEST(each_seed_has_a_noise_of_its_own)
             assert_more_than(rmse(&pictures[i], &pictures[k]), 1e-4);
     for (int i = 0; i < count; ++i)
         iso_image_destroy(&pictures[i]);
-    close_subject(&s);
 }
 
 /* Runs Blender on a .blend with a script of its user. */
@@ -377,6 +371,7 @@ static void make_tables(const iso_tf_table *tf, iso_tf_table tables[2])
 TEST(an_exported_scene_can_be_moved_switched_and_turned)
 {
     need_cycles();
+    ENDED_BY(close_subject)
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
     FREED char *made = iso_path_join(s.dir, "made"), *moved = iso_path_join(s.dir, "moved");
     FREED char *first = iso_path_join(made, "two.blend"), *blend = iso_path_join(moved, "two.blend");
@@ -414,7 +409,6 @@ TEST(an_exported_scene_can_be_moved_switched_and_turned)
     iso_image_destroy(&want);
     free(tables[0].entries);
     free(tables[1].entries);
-    close_subject(&s);
 }
 
 /* The .blend says in digits to be read where its origin lies; camera, box and suns are there with the volume. */
@@ -422,7 +416,7 @@ VALUES_TEST(a_volume_far_from_the_origin_agrees_and_so_does_its_file)
 {
     need_cycles();
     check_case(&far_away, SMOOTH_LIMIT);
-    subject s = open_subject(&far_away);
+    ENDED_BY(close_subject) subject s = open_subject(&far_away);
     FREED char *blend = iso_path_join(s.dir, "far.blend");
     iso_blender_options opt = iso_blender_defaults();
     assert_ok(iso_blender_export(&s.pyramid, 0, &s.view, blend, &opt, NULL, &err));
@@ -444,7 +438,6 @@ VALUES_TEST(a_volume_far_from_the_origin_agrees_and_so_does_its_file)
     run_script(blend, script);
     OWNED(iso_image) want = reference(&s, 0, &s.view), have = load(s.dir, "far.exr");
     assert_at_most(rmse_of_color(&have, &want), SMOOTH_LIMIT);
-    close_subject(&s);
 }
 
 static void check_nothing_left(const char *dir, const char *stem)
@@ -458,6 +451,7 @@ static void check_nothing_left(const char *dir, const char *stem)
 TEST(failures_are_told_and_leave_no_file)
 {
     need_cycles();
+    ENDED_BY(close_subject)
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
     iso_blender_options opt = iso_blender_defaults();
     iso_image image;
@@ -477,13 +471,13 @@ TEST(failures_are_told_and_leave_no_file)
     assert_status(iso_blender_export(&s.pyramid, 0, &s.view, blend, &opt, NULL, &err), ISO_E_PROGRAM);
     unsetenv("ISOSHADE_BLENDER");
     check_nothing_left(s.dir, "v");
-    close_subject(&s);
 }
 
 /* A Blender that puts grids somewhere new: its script is changed on the way to it. */
 TEST(a_blender_that_puts_voxels_elsewhere_is_refused)
 {
     need_cycles();
+    ENDED_BY(close_subject)
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SPHERE, .type = ISO_F32, .tf = soft_tf});
     FREED char *wrapper = iso_path_join(s.dir, "blender"), *blender = NULL, *text = NULL;
     assert_ok(iso_process_find("blender", "blender", &blender, &err));
@@ -501,7 +495,6 @@ TEST(a_blender_that_puts_voxels_elsewhere_is_refused)
     iso_blender_options opt = iso_blender_defaults();
     assert_status(iso_cycles_render(&s.pyramid, 0, &s.view, &opt, &image, NULL, &err), ISO_E_UNTRUSTED);
     unsetenv("ISOSHADE_BLENDER");
-    close_subject(&s);
 }
 
 TEST(the_version_is_a_number)

@@ -206,7 +206,7 @@ TEST(packed_bricks_do_not_overlap_and_give_the_field)
     for (size_t i = 0; i < count; ++i)
         levels[i] = (uint8_t)(4 * random_unit());
     iso_brick_field f = {.nodes = &n, .levels = levels, .faces = ISO_FACES_BAKED};
-    iso_brick_pack pack;
+    OWNED(iso_brick_pack) pack;
     assert_ok(iso_brick_pack_create(&pack, &n, levels, NULL, 2048, 0, &err));
     assert_int_equal(pack.slot_side, 16);
     assert_int_equal(pack.brick_count, count);
@@ -235,7 +235,6 @@ TEST(packed_bricks_do_not_overlap_and_give_the_field)
         iso_brick_sample(&f, iso_v3(q[0] + 0.5, q[1] + 0.5, q[2] + 0.5), value);
         assert_within(fetch(&n, &pack, cache, q), value[0], 1e-7); /* baked values are rounded to float */
     }
-    iso_brick_pack_destroy(&pack);
 }
 
 TEST(eight_coarse_bricks_share_a_slot_and_hidden_ones_take_none)

@@ -16,7 +16,7 @@ TEST(random_layouts_agree_with_the_reference_in_every_loop)
 {
     static const iso_field_kind kinds[] = {ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_SPHERE};
     for (size_t k = 0; k < 2; ++k) {
-        brick_scene s;
+        ENDED_BY(destroy_brick_scene) brick_scene s;
         make_brick_scene(&s, kinds[k]);
         for (int faces = ISO_FACES_BAKED; faces <= ISO_FACES_OWN; ++faces) {
             iso_brick_field f = {&s.nodes, s.levels, (iso_brick_faces)faces};
@@ -38,14 +38,13 @@ TEST(random_layouts_agree_with_the_reference_in_every_loop)
                 assert_at_most(rmse, faces == ISO_FACES_BAKED ? RMSE : 1e-3);
             }
         }
-        destroy_brick_scene(&s);
     }
 }
 
 /* 16 bits: half a step of 1/65535 a value through a TF of slope 30 and more. */
 TEST(cache_of_16_bits_is_close)
 {
-    brick_scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     OWNED(iso_image) a, b = brick_reference(&f, &s.view);
@@ -55,12 +54,11 @@ TEST(cache_of_16_bits_is_close)
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
     assert_at_most(max_difference(&a, &b, &rmse), 2e-3);
     assert_at_most(rmse, 1e-4);
-    destroy_brick_scene(&s);
 }
 
 TEST(bricks_all_at_the_finest_level_are_the_volume)
 {
-    brick_scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     make_brick_scene(&s, ISO_FIELD_SPHERE);
     memset(s.levels, 0, sizeof s.levels);
     s.view.light_count = 0; /* directions come from other filters */
@@ -75,12 +73,11 @@ TEST(bricks_all_at_the_finest_level_are_the_volume)
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
     assert_ok(iso_gl_render(gl, &s.level, ISO_CODE_SNORM, &s.view, &whole, &b, &err));
     assert_at_most(max_difference(&a, &b, &rmse), MAX_ABS);
-    destroy_brick_scene(&s);
 }
 
 TEST(a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it)
 {
-    brick_scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     memset(s.levels, 0, sizeof s.levels);
     iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
@@ -97,14 +94,13 @@ TEST(a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it)
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &image, &stats, &err));
     assert_true(stats.slot_count <= 30);
     assert_int_equal(stats.shown_count, sizeof s.levels);
-    destroy_brick_scene(&s);
 }
 
 /* Pages as if a texture had no more than a few slots a side: the same samples from other textures. z + page keeps fewer
  * bits of z: a hundred-thousandth of a texel here. */
 TEST(pages_show_what_one_texture_shows)
 {
-    brick_scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     iso_gl_brick_options opt = iso_gl_brick_defaults();
@@ -129,7 +125,6 @@ TEST(pages_show_what_one_texture_shows)
     opt.page_side = stats.slot_side;
     assert_status(iso_gl_render_bricks(gl, &f, &s.view, &opt, &paged, &stats, &err), ISO_E_RANGE);
     iso_image_destroy(&one);
-    destroy_brick_scene(&s);
 }
 
 TEST_MAIN(open_gl, close_gl)

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* test_calibrate.c - each renderer passes its calibration, and each planted fault fails it. */
-#include <string.h>
-
 #include "base/work.h"
 #include "validate/calibrate.h"
 #include "test.h"

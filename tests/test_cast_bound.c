@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What leaving out empty space can give at most: samples are counted where the answer is known, and times that are made
  * of known costs give the bound of these costs. */
-#include <math.h>
-#include <string.h>
-
 #include "bench/cast_bound.h"
 #include "test.h"
 

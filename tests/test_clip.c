@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Clip planes: a slab's closed form, the ray caster against the reference, bricks that are left out. */
-#include "test.h"
+#include "sampled.h"
 #include "gl.h"
-
-#include <math.h>
-#include <stdlib.h>
 
 #include "base/random.h"
 #include "render/gl/bricks_gl.h"
@@ -27,12 +24,10 @@ static void make_scene(scene *s)
                       .index_to_world = {{{c, -0.8 * d, 0}, {d, 0.8 * c, 0}, {0, 0, 1.7}}}};
     iso_field f = {.kind = ISO_FIELD_MARSCHNER_LOBB, .geometry = g};
     iso_pyramid_options build = iso_pyramid_defaults();
-    OWNED(iso_volume) v;
     OWNED(iso_scene) file;
     build.level_count = 1;
     *s = (scene){0};
-    assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "field", &build, &s->pyramid, NULL, &err));
+    s->pyramid = sampled_pyramid(&f, ISO_F32, &build);
     const iso_level *level = &s->pyramid.levels[0];
     assert_ok(iso_node_levels_create(&s->nodes, level, 8, 3, true, 0, &err));
     assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &file, &err));
@@ -72,7 +67,7 @@ static double max_difference(const iso_image *a, const iso_image *b)
 
 TEST(cut_images_agree_with_the_reference_and_with_no_other_plane)
 {
-    scene s;
+    ENDED_BY(destroy_scene) scene s;
     make_scene(&s);
     const iso_level *level = &s.pyramid.levels[0];
     iso_reference_options exact = iso_reference_defaults();
@@ -98,12 +93,11 @@ TEST(cut_images_agree_with_the_reference_and_with_no_other_plane)
     iso_image_destroy(&whole);
     iso_image_destroy(&a);
     iso_image_destroy(&b);
-    destroy_scene(&s);
 }
 
 TEST(bricks_behind_the_planes_are_left_out_and_change_nothing)
 {
-    scene s;
+    ENDED_BY(destroy_scene) scene s;
     make_scene(&s);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     iso_reference_options exact = iso_reference_defaults();
@@ -132,7 +126,6 @@ TEST(bricks_behind_the_planes_are_left_out_and_change_nothing)
     printf("bricks shown: %zu cut, %zu whole\n", cut.shown_count, whole.shown_count);
     assert_true(cut.shown_count < whole.shown_count * 6 / 10);
     iso_image_destroy(&a);
-    destroy_scene(&s);
 }
 
 TEST(a_slab_cut_at_an_angle_has_its_closed_form)

@@ -3,10 +3,6 @@
 #include "base/random.h"
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/linalg.h"
 #include "encode/code.h"
 #include "encode/encode_kernel.h"

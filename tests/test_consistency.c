@@ -99,7 +99,7 @@ static double measure_by_hand(subject *s, size_t level, const iso_tf_table *tabl
 
 TEST(every_method_has_a_row_under_either_tf_at_every_level)
 {
-    subject s;
+    ENDED_BY(close_subject) subject s;
     open_subject(&s, ISO_FIELD_SHELLS, "rows");
     measure_levels(&s);
     assert_int_equal(json_array_size(rows_of(&s)), iso_method_count * (levels - 1) * 2);
@@ -119,7 +119,6 @@ TEST(every_method_has_a_row_under_either_tf_at_every_level)
             assert_at_most(figure(b, "flip_mean"), 0.8 * figure(a, "flip_mean"));
             assert_within(figure(a, "gradient_angle_mean_deg"), figure(b, "gradient_angle_mean_deg"), 0);
         }
-    close_subject(&s);
 }
 
 /* The same images once more: only the sum's order could differ. */
@@ -127,7 +126,7 @@ static const double rounding = 1e-12;
 
 VALUES_TEST(a_row_is_of_its_own_level_and_tf)
 {
-    subject s;
+    ENDED_BY(close_subject) subject s;
     open_subject(&s, ISO_FIELD_SHELLS, "own");
     measure_levels(&s);
     for (size_t level = 1; level < levels; ++level) {
@@ -144,13 +143,12 @@ VALUES_TEST(a_row_is_of_its_own_level_and_tf)
         assert_more_than(fabs(measure_by_hand(&s, level, &off) - adapted), 1e-4);
         assert_more_than(fabs(dissimilarity(&s, "moments", level) - adapted), 1e-2);
     }
-    close_subject(&s);
 }
 
 /* Planted: levels that exchange their TFs lose what adapting had gained at one of them. */
 VALUES_TEST(exchanged_tfs_are_seen_in_the_rows)
 {
-    subject right, wrong;
+    ENDED_BY(close_subject) subject right, wrong;
     open_subject(&right, ISO_FIELD_SHELLS, "right");
     open_subject(&wrong, ISO_FIELD_SHELLS, "wrong");
     iso_level_tf *tfs = wrong.validation.level_tfs, first = tfs[1];
@@ -164,14 +162,12 @@ VALUES_TEST(exchanged_tfs_are_seen_in_the_rows)
         assert_more_than(dissimilarity(&wrong, name, 1), 1.1 * dissimilarity(&right, name, 1));
         assert_within(dissimilarity(&wrong, iso_methods[m].name, 1), dissimilarity(&right, iso_methods[m].name, 1), 0);
     }
-    close_subject(&right);
-    close_subject(&wrong);
 }
 
 /* No table can be nearer to voxels that are all alike. */
 TEST(a_refused_adaptation_is_reported_with_the_originals_figures)
 {
-    subject s;
+    ENDED_BY(close_subject) subject s;
     open_subject(&s, ISO_FIELD_CONSTANT, "kept");
     measure_levels(&s);
     for (size_t level = 1; level < levels; ++level) {
@@ -181,7 +177,6 @@ TEST(a_refused_adaptation_is_reported_with_the_originals_figures)
         assert_string_equal(json_string_value(json_object_get(a, "image")),
                             json_string_value(json_object_get(b, "image")));
     }
-    close_subject(&s);
 }
 
 /* ---- extinction scales ---- */
@@ -207,7 +202,7 @@ static const json_t *verdict_of(const subject *s, size_t level, const char **ver
 
 TEST(levels_are_judged_with_their_extinction_scales)
 {
-    subject s;
+    ENDED_BY(close_subject) subject s;
     const char *verdict;
     iso_levels_summary all;
     open_scaled(&s, "scaled");
@@ -223,13 +218,12 @@ TEST(levels_are_judged_with_their_extinction_scales)
             assert_string_equal(verdict, "agree");
         assert_at_most(dissimilarity(&s, "moments+scaled", level), 0.95 * dissimilarity(&s, "moments+adapted", level));
     }
-    close_subject(&s);
 }
 
 /* Planted: level 1 is handed over with the bytes of level 2, each for the eight voxels that it is the mean of. */
 TEST(the_scale_of_another_level_is_rejected)
 {
-    subject s;
+    ENDED_BY(close_subject) subject s;
     const char *verdict;
     iso_levels_summary all;
     open_scaled(&s, "other");
@@ -246,7 +240,6 @@ TEST(the_scale_of_another_level_is_rejected)
     assert_true(json_is_false(json_object_get(scale, "held")));
     assert_non_null(strstr(all.sentence, "Level 1: its extinction scale differs from one made of level 0"));
     assert_true(json_is_true(json_object_get(verdict_of(&s, 2, &verdict, &all), "held")));
-    close_subject(&s);
 }
 
 /* The picture that would be without. */
@@ -270,7 +263,7 @@ static iso_status pass_over_scale(const void *user, const iso_render_request *re
 /* Planted: the renderer passes the bytes over. */
 TEST(a_scale_that_is_not_used_is_rejected)
 {
-    subject s;
+    ENDED_BY(close_subject) subject s;
     const char *verdict;
     iso_levels_summary all;
     open_scaled(&s, "unused");
@@ -282,7 +275,6 @@ TEST(a_scale_that_is_not_used_is_rejected)
     assert_int_equal(json_integer_value(json_object_get(scale, "differing_voxels")), 0);
     assert_true(json_is_false(json_object_get(scale, "has_effect")));
     assert_non_null(strstr(all.sentence, "Level 1: its extinction scale changes no picture"));
-    close_subject(&s);
 }
 
 /* ---- a budget, and the progress ---- */

@@ -71,19 +71,18 @@ VALUES_TEST(random_levels_agree_with_the_reference)
 {
     static const iso_field_kind kinds[] = {ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_SPHERE};
     for (size_t k = 0; k < 2; ++k) {
-        brick_scene s;
+        ENDED_BY(destroy_brick_scene) brick_scene s;
         make_brick_scene(&s, kinds[k]);
         for (int faces = ISO_FACES_BAKED; faces <= ISO_FACES_OWN; ++faces) {
             const iso_brick_field f = {&s.nodes, s.levels, (iso_brick_faces)faces};
             expect_the_reference(&f, &s.view, faces == ISO_FACES_BAKED ? "baked faces" : "faces of their own");
         }
-        destroy_brick_scene(&s);
     }
 }
 
 TEST(a_brick_of_another_level_is_seen)
 {
-    brick_scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     double rmse;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
@@ -93,12 +92,11 @@ TEST(a_brick_of_another_level_is_seen)
     OWNED(iso_image) image = draw(&f, &s.view, exact());
     assert_more_than(max_difference(&truth, &image, &rmse), 1e-3);
     assert_more_than(rmse, 1e3 * RMSE);
-    destroy_brick_scene(&s);
 }
 
 TEST(views_may_be_cut_orthographic_unlit_or_from_inside)
 {
-    brick_scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     make_brick_scene(&s, ISO_FIELD_SPHERE);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     const iso_camera camera = s.view.camera;
@@ -117,7 +115,6 @@ TEST(views_may_be_cut_orthographic_unlit_or_from_inside)
     s.view.camera = camera;
     s.view.light_count = 0;
     expect_the_reference(&f, &s.view, "not lit");
-    destroy_brick_scene(&s);
 }
 
 /* Planes along the grid that keep .7 voxels of the bricks on a face's other side, which are not left out for that. */
@@ -125,7 +122,7 @@ TEST(bricks_of_which_a_sliver_is_kept_are_drawn)
 {
     static const iso_vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     const iso_vec3 face = {2 * 8 + 0.5, 3 * 8 + 0.5, 2 * 8 + 0.5};
-    brick_scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     make_brick_scene(&s, ISO_FIELD_SPHERE);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     s.view.clip_count = 1;
@@ -136,13 +133,12 @@ TEST(bricks_of_which_a_sliver_is_kept_are_drawn)
             s.view.clips[0] = (iso_clip_plane){normal, iso_dot(normal, at)};
             expect_the_reference(&f, &s.view, "a sliver");
         }
-    destroy_brick_scene(&s);
 }
 
 /* 16 bits: half a step of 1/65535 a value through a transfer function whose slope is 30 and more. */
 TEST(nodes_of_16_bits_are_close)
 {
-    brick_scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     iso_node_levels_round(&s.nodes);
@@ -157,12 +153,11 @@ TEST(nodes_of_16_bits_are_close)
         assert_at_most(max_difference(shaded ? &truth : &unlit, &image, &rmse), 2e-3);
         assert_at_most(rmse, 1e-4);
     }
-    destroy_brick_scene(&s);
 }
 
 TEST(bricks_that_are_not_wanted_are_left_out)
 {
-    brick_scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     uint8_t wanted[sizeof s.levels] = {0};
     make_brick_scene(&s, ISO_FIELD_SPHERE);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
@@ -183,7 +178,6 @@ TEST(bricks_that_are_not_wanted_are_left_out)
     }
     assert_more_than(alpha[0], 0.2 * alpha[1]);
     assert_more_than(alpha[1], 1.2 * alpha[0]);
-    destroy_brick_scene(&s);
 }
 
 /* Bricks of each size, of volumes that are a node thin, and as fine as the volume. */
@@ -192,7 +186,7 @@ TEST(sizes_may_be_odd)
     static const struct {
         size_t size[3], brick_voxels, level_count;
     } of[] = {{{9, 1, 13}, 2, 2}, {{1, 2, 5}, 4, 3}, {{33, 18, 3}, 16, 5}, {{20, 7, 11}, 64, 7}, {{17, 17, 17}, 4, 1}};
-    brick_scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     make_brick_scene(&s, ISO_FIELD_SPHERE);
     for (size_t k = 0; k < sizeof of / sizeof *of; ++k) {
         iso_geometry g = iso_geometry_axis_aligned(of[k].size, (const double[3]){1, 0.8, 1.7});
@@ -218,12 +212,11 @@ TEST(sizes_may_be_odd)
                  of[k].brick_voxels);
         expect_the_reference(&(iso_brick_field){&n, levels, ISO_FACES_BAKED}, &view, what);
     }
-    destroy_brick_scene(&s);
 }
 
 TEST(what_it_lacks_is_refused)
 {
-    brick_scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     iso_image image;
     make_brick_scene(&s, ISO_FIELD_SPHERE);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
@@ -233,7 +226,6 @@ TEST(what_it_lacks_is_refused)
     opt = exact();
     opt.step_voxels = INFINITY;
     assert_status(iso_cpu_render_bricks(&f, &s.view, &opt, &image, &err), ISO_E_RANGE);
-    destroy_brick_scene(&s);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -4,10 +4,6 @@
 #include "rendered.h"
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fit/extinction_scale.h"
 #include "brick/occupancy.h"
 #include "pyramid/narrow.h"
@@ -342,8 +338,9 @@ TEST(bricks_that_are_made_for_rays_have_the_same_bits)
                                         {ISO_I32, ISO_CODE_FIT, {5, 40, 3}, false}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
         for (int is_lit = 0; is_lit < 2; ++is_lit)
-            a_part_has_the_picture_of_the_whole(
-                &cases[i], (iso_gradient_method)((i + (size_t)is_lit) % ISO_GRADIENT_COUNT), is_lit);
+            a_part_has_the_picture_of_the_whole(&cases[i],
+                                                (iso_gradient_method)((i + (size_t)is_lit) % ISO_GRADIENT_COUNT),
+                                                is_lit);
 }
 
 TEST(a_part_becomes_the_whole)

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Two reports: the same report twice is no difference, and each planted change is exactly one row or one fact. */
 #define _GNU_SOURCE
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "report/difference.h"
 #include "report/rows.h"
@@ -85,12 +82,11 @@ static void set_number(json_t *row, const char *key, double value)
 
 TEST(the_same_report_twice_is_no_difference)
 {
-    json_t *d = difference_to(report(), false);
+    json_auto_t *d = difference_to(report(), false);
     assert_int_equal(row_count(d), 0);
     assert_int_equal(json_integer_value(json_object_get(d, "row_count")), 6);
     assert_string_equal(iso_row_text(d, "verdict"), "agree");
     assert_non_null(strstr(iso_row_text(d, "sentence"), "No difference in 6 rows"));
-    json_decref(d);
 }
 
 TEST(times_dates_commands_and_folders_are_no_difference)
@@ -233,11 +229,10 @@ TEST(versions_and_options_count_unless_results_alone_are_asked_for)
             json_object_set_new(json_object_get(json_object_get(now, "asked"), "s"), "tf", json_string("sharp"));
         else
             json_object_set_new(json_object_get(now, "machine"), "cores", json_integer(3)); /* told, never counted */
-        json_t *d = difference_to(now, i % 2);
+        json_auto_t *d = difference_to(now, i % 2);
         assert_int_equal(json_array_size(json_object_get(d, "facts")), 1);
         assert_int_equal(row_count(d), 0);
         assert_string_equal(iso_row_text(d, "verdict"), i % 2 == 0 && i / 2 < 3 ? "differ" : "agree");
-        json_decref(d);
     }
 }
 
@@ -246,10 +241,9 @@ TEST(the_worst_change_comes_first)
     json_t *now = report();
     set_number(row_of(now, "agreement", 0), "rmse", 1);
     json_object_set_new(row_of(now, "calibration", 0), "verdict", json_string("fail"));
-    json_t *d = difference_to(now, false);
+    json_auto_t *d = difference_to(now, false);
     assert_int_equal(row_count(d), 2);
     assert_string_equal(iso_row_text(json_array_get(json_object_get(d, "rows"), 0), "kind"), "calibration");
-    json_decref(d);
 }
 
 /* What of a report makes it worse than the accepted one: planted by JSON that a row takes. */
@@ -291,10 +285,9 @@ static json_t *planted_report(size_t i)
 
 static size_t count_worse(json_t *then, json_t *now, double factor)
 {
-    json_t *d;
+    json_auto_t *d;
     assert_ok(iso_difference_of(then, now, true, factor, &d, &err));
     const size_t count = iso_difference_count_worse(d);
-    json_decref(d);
     json_decref(then);
     json_decref(now);
     return count;

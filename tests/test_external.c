@@ -3,8 +3,6 @@
  * that doc/guide/numpy_renderer.py passes every calibration; and each fault that is planted into its text fails the one
  * that is made for it. */
 #define _GNU_SOURCE
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "renderers/external.h"

@@ -3,10 +3,6 @@
 #include "rendered.h"
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "fit/extinction_scale.h"
 #include "fit/interpolation.h"
 #include "render/sampler.h"
@@ -256,7 +252,7 @@ static void scatter(const iso_interpolation *map, const double *values, double *
 
 static double *three_rounds(const iso_pyramid *p, size_t level, const iso_tf_table *original, const iso_tf_table *own)
 {
-    iso_interpolation map;
+    OWNED(iso_interpolation) map;
     assert_ok(iso_interpolation_create(&map, p->levels[0].geometry.size, level, &err));
     const double little = 1e-3 * (double)((size_t)1 << (3 * level));
     double *octaves = calloc(map.coarse_count, sizeof *octaves), *want = fine_opacities(p, original);
@@ -269,7 +265,6 @@ static double *three_rounds(const iso_pyramid *p, size_t level, const iso_tf_tab
             octaves[j] = fmin(fmax(octaves[j] + log2((target[j] + little) / (present[j] + little)), -6), 3);
     }
     free(want), free(target), free(present);
-    iso_interpolation_destroy(&map);
     return octaves;
 }
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Error bars of extrapolated limits, where each figure has a closed form. */
-#include <math.h>
-
 #include "compare/extrapolation.h"
 #include "test.h"
 

@@ -2,9 +2,6 @@
 /* A renderer that comes with nothing but its own file (fifth_renderer.c) is listed, calibrated and compared like the
  * others, and named in every row: without its planted shift it agrees; with a small one its lock-step differs; with a
  * large one its calibration refuses it. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "tests/fifth_renderer.c"
 #include "tests/folder.h"
 #include "tests/test.h"

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Figures from a report: what they hold, where panels stand, the scale bar's length, and what is refused. */
 #define _GNU_SOURCE
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "base/file.h"
@@ -235,7 +232,7 @@ TEST(a_picture_without_room_has_no_scale_bar)
         bool has_bar;
     } cases[] = {{0.005f, 40, true}, {0.02f, 40, false}, {0, 40, true}, {0, 7, false}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        iso_image image;
+        OWNED(iso_image) image;
         iso_page *page;
         assert_ok(iso_image_create(&image, width, height, &err));
         for (size_t p = 0; p < (size_t)width * height; ++p)
@@ -245,7 +242,6 @@ TEST(a_picture_without_room_has_no_scale_bar)
         const iso_page_box box = {.width = cases[i].width_mm, .height = 0.75 * cases[i].width_mm};
         assert_int_equal(iso_page_scale_bar_mm(page, &box, &image, 2.5) > 0, cases[i].has_bar);
         iso_page_destroy(page);
-        iso_image_destroy(&image);
     }
 }
 

@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* First-hit isosurfaces by OpenGL: the reference's hits, on one texture and on bricks, and no steps where bricks
  * meet. */
-#include "test.h"
+#include "sampled.h"
 #include "gl.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/random.h"
 #include "render/gl/bricks_gl.h"
@@ -38,12 +34,10 @@ static void make_scene(scene *s, iso_field_kind kind, double part_of_range, size
                       .index_to_world = {{{c, -0.8 * d, 0}, {d, 0.8 * c, 0}, {0, 0, 1.7}}}};
     iso_field f = {.kind = kind, .geometry = g, .seed = 3};
     iso_pyramid_options build = iso_pyramid_defaults();
-    OWNED(iso_volume) v;
     OWNED(iso_scene) file;
     build.level_count = level_count;
     *s = (scene){0};
-    assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "field", &build, &s->pyramid, NULL, &err));
+    s->pyramid = sampled_pyramid(&f, ISO_F32, &build);
     const iso_level *level = &s->pyramid.levels[0];
     assert_ok(iso_node_levels_create(&s->nodes, level, 8, 4, true, 0, &err));
     assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &file, &err));
@@ -138,7 +132,7 @@ static difference measure(scene *s, const iso_brick_field *bricks, size_t level,
 
 TEST(hits_on_one_texture_are_the_reference_s)
 {
-    scene s;
+    ENDED_BY(destroy_scene) scene s;
     make_scene(&s, ISO_FIELD_MARSCHNER_LOBB, 0.6, 2);
     for (size_t level = 0; level < 2; ++level) {
         difference d = measure(&s, NULL, level, ISO_SURFACE_POSITION, s.iso);
@@ -155,12 +149,11 @@ TEST(hits_on_one_texture_are_the_reference_s)
     /* A surface a thousandth of the range further is not taken for it. */
     const double range = s.pyramid.levels[0].max - s.pyramid.levels[0].min;
     assert_more_than(measure(&s, NULL, 0, ISO_SURFACE_POSITION, s.iso + 1e-3 * range).p99, 1e-3);
-    destroy_scene(&s);
 }
 
 TEST(hits_on_bricks_of_random_levels_are_the_reference_s)
 {
-    scene s;
+    ENDED_BY(destroy_scene) scene s;
     make_scene(&s, ISO_FIELD_MARSCHNER_LOBB, 0.6, 1);
     const iso_brick_field baked = {&s.nodes, s.levels, ISO_FACES_BAKED};
     difference d = measure(&s, &baked, 0, ISO_SURFACE_POSITION, s.iso);
@@ -170,7 +163,6 @@ TEST(hits_on_bricks_of_random_levels_are_the_reference_s)
     assert_at_most((double)d.apart, 3);
     d = measure(&s, &baked, 0, ISO_SURFACE_NORMAL, s.iso);
     assert_at_most(d.p99, 2e-4);
-    destroy_scene(&s);
 }
 
 /* One plane of voxels, seen at an angle, thinner than a step of any marching: each ray has to meet it. */
@@ -244,7 +236,7 @@ static double steps_across_faces(const scene *s, iso_node_levels *nodes, iso_bri
 
 TEST(surfaces_do_not_step_where_bricks_meet)
 {
-    scene s;
+    ENDED_BY(destroy_scene) scene s;
     OWNED(iso_node_levels) nodes;
     make_scene(&s, ISO_FIELD_MARSCHNER_LOBB, 0.6, 1);
     iso_level level = s.pyramid.levels[0];
@@ -258,7 +250,6 @@ TEST(surfaces_do_not_step_where_bricks_meet)
     assert_at_most(baked, 0.005); /* glancing rays */
     assert_more_than(own, 0.3);
     assert_more_than(turn[1], 10 * turn[0]);
-    destroy_scene(&s);
 }
 
 TEST_MAIN(open_gl, close_gl)

@@ -49,7 +49,7 @@ static double opacity_at(const iso_fit_curve *curve, double value)
 
 TEST(curve_is_color_and_opacity_of_the_table)
 {
-    iso_fit_curve c = curve_of(ramp(0.4, 0.6));
+    OWNED(iso_fit_curve) c = curve_of(ramp(0.4, 0.6));
     /* Extinction is linear between 256 entries, opacity is not: less than 1e-3. */
     assert_within(opacity_at(&c, 0.5), 0.4, 1e-3);
     assert_within(opacity_at(&c, 0.2), 0, 1e-6);
@@ -57,7 +57,6 @@ TEST(curve_is_color_and_opacity_of_the_table)
     assert_within(opacity_at(&c, -3), 0, 1e-6);
     /* The widest place where .8 would be reached by the steepest slope; the table cuts the corners of the ramp. */
     assert_within(iso_fit_curve_ramp_width(&c), 0.2, 0.01);
-    iso_fit_curve_destroy(&c);
 }
 
 TEST(widened_ramp_is_a_mean_over_its_window)
@@ -82,9 +81,8 @@ TEST(constant_curve_has_no_ramp)
     iso_tf_table t = ramp(0.4, 0.6);
     for (size_t i = 0; i < 4 * t.count; ++i)
         t.entries[i] = 0.25f;
-    iso_fit_curve c = curve_of(t);
+    OWNED(iso_fit_curve) c = curve_of(t);
     assert_true(iso_fit_curve_ramp_width(&c) == 0);
-    iso_fit_curve_destroy(&c);
 }
 
 /* ---- volumes and problems ---------------------------------------------------------------------------------------- */

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The flipped fetch: opposite directions on the two sides of a thin plate do not cancel. */
-#include "test.h"
-
-#include <math.h>
+#include "sampled.h"
 
 #include "render/reference.h"
 #include "render/sampler.h"
@@ -47,12 +45,9 @@ static iso_pyramid make_plate(iso_direction_filter filter)
     const double spacing[3] = {1, 1, 1};
     iso_field f = {.kind = ISO_FIELD_PLATE, .geometry = iso_geometry_axis_aligned(size, spacing)};
     iso_pyramid_options opt = iso_pyramid_defaults();
-    OWNED(iso_volume) v;
-    iso_pyramid p;
     opt.direction_filter = filter;
     opt.level_count = 2;
-    assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "plate", &opt, &p, NULL, &err));
+    iso_pyramid p = sampled_pyramid(&f, ISO_F32, &opt);
     return p;
 }
 
@@ -85,11 +80,8 @@ TEST(directions_of_one_side_are_left_alone)
     const double spacing[3] = {1, 1, 1};
     iso_field f = {.kind = ISO_FIELD_RAMP, .geometry = iso_geometry_axis_aligned(size, spacing)};
     iso_pyramid_options opt = iso_pyramid_defaults();
-    OWNED(iso_volume) v;
-    OWNED(iso_pyramid) p;
     OWNED(iso_sampler) plain, flipped;
-    assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "ramp", &opt, &p, NULL, &err));
+    OWNED(iso_pyramid) p = sampled_pyramid(&f, ISO_F32, &opt);
     assert_ok(iso_sampler_create(&plain, &p.levels[0], opt.code, ISO_FROM_CODES, &err));
     assert_ok(iso_sampler_create(&flipped, &p.levels[0], opt.code, ISO_FROM_FLIPPED, &err));
     for (int i = 0; i < 500; ++i) {

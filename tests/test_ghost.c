@@ -3,10 +3,6 @@
  * out. */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "tf/adapt.h"
 #include "tf/ghost.h"
 

@@ -2,10 +2,6 @@
 /* Gradients against closed forms. */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "gradient/gradient.h"
 
 /* Unequal sizes and spacings, rotated, sheared and reflected: a swapped or transposed axis shows. */

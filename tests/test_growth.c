@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The power by which a command's time grows with the number of voxels: exact for times that follow one, and wrong by a
  * known amount where what a process costs is not taken off. */
-#include <math.h>
-
 #include "bench/growth.h"
 #include "tests/test.h"
 

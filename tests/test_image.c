@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* test_image.c - images to files and back. */
 #define _GNU_SOURCE
-#include <math.h>
 #include <png.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "base/file.h"

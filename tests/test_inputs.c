@@ -3,8 +3,6 @@
 #define _GNU_SOURCE
 #include "test.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -2,10 +2,6 @@
 /* Gather and scatter between a coarse grid and fine voxels: the sampler's interpolation, and its transpose. */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/random.h"
 #include "fit/interpolation.h"
 #include "render/sampler.h"
@@ -211,13 +207,12 @@ TEST(runs_that_are_not_wanted_count_as_zero)
 
 TEST(sizes_and_grids_beyond_the_limits_are_refused)
 {
-    iso_interpolation map;
+    OWNED(iso_interpolation) map;
     assert_status(iso_interpolation_create(&map, (const size_t[]){4, 0, 4}, 1, &err), ISO_E_RANGE);
     assert_status(iso_interpolation_create(&map, (const size_t[]){4, 4, 4}, 32, &err), ISO_E_RANGE);
     assert_ok(iso_interpolation_create(&map, (const size_t[]){4, 5, 6}, 1, &err));
     const iso_interpolation_pass pass = {.input_count = ISO_FIT_GRIDS + 1};
     assert_status(iso_interpolation_run(&map, &pass, 0, &err), ISO_E_RANGE);
-    iso_interpolation_destroy(&map);
     iso_interpolation_destroy(NULL);
 }
 

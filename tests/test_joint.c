@@ -2,9 +2,6 @@
 /* Joint histograms against direct sums, and their files. */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "base/file.h"

@@ -3,9 +3,6 @@
 #include "test.h"
 
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "base/json.h"
@@ -25,14 +22,12 @@ static char *saved(json_t *root)
 
 static double read_back(double value)
 {
-    json_t *root = json_pack("{s:f}", "a", value), *again = NULL;
+    json_auto_t *root = json_pack("{s:f}", "a", value), *again = NULL;
     FREED char *text = saved(root);
     iso_error err = {""};
     assert_int_equal(iso_json_parse("a.json", text, strlen(text), &again, &err), ISO_OK);
     assert_true(json_is_real(json_object_get(again, "a")));
     const double result = json_real_value(json_object_get(again, "a"));
-    json_decref(root);
-    json_decref(again);
     return result;
 }
 
@@ -61,12 +56,11 @@ TEST(a_byte_order_mark_is_skipped)
 
 TEST(texts_stay_and_numbers_are_short)
 {
-    json_t *root = json_pack("{s:s, s:f, s:i, s:[f, f]}", "1.10000000000000001", "\"0.10000000000000001\\", "b", 0.1, "c", 12, "d",
-                             6.500000000000001, (double)0.7f);
+    json_auto_t *root = json_pack("{s:s, s:f, s:i, s:[f, f]}", "1.10000000000000001", "\"0.10000000000000001\\", "b",
+                                  0.1, "c", 12, "d", 6.500000000000001, (double)0.7f);
     FREED char *text = saved(root);
     assert_string_equal(text, "{\n  \"1.10000000000000001\": \"\\\"0.10000000000000001\\\\\",\n  \"b\": 0.1,\n  \"c\": 12,\n"
                               "  \"d\": [\n    6.5,\n    0.699999988\n  ]\n}\n");
-    json_decref(root);
 }
 
 TEST_MAIN(make_folder, remove_folder)

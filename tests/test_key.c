@@ -5,8 +5,6 @@
 
 #include <fcntl.h>
 #include <jansson.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -172,13 +170,13 @@ TEST(each_input_changes_its_own_part_alone)
     make_inputs();
     for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
         iso_key *key = make_key(), *again = make_key();
-        json_t *stored = iso_key_to_json(key);
+        json_auto_t *stored = iso_key_to_json(key);
         assert_true(iso_key_digest(key, before) && iso_key_digest(again, after));
         assert_string_equal(before, after);
         assert_false(iso_key_differs(again, stored, why, sizeof why));
         rows[i].change();
         iso_key *now = make_key();
-        json_t *parts = iso_key_to_json(now);
+        json_auto_t *parts = iso_key_to_json(now);
         assert_true(iso_key_digest(now, after));
         if (strcmp(before, after) == 0 || !iso_key_differs(now, stored, why, sizeof why))
             fail_msg("the change of \"%s\" was not noticed", rows[i].part);
@@ -186,8 +184,6 @@ TEST(each_input_changes_its_own_part_alone)
             fail_msg("\"%s\" is said of a change of \"%s\"", why, rows[i].part);
         leave_out(stored, parts, rows[i].part); /* planted fault: a key without the part */
         assert_false(iso_key_differs(now, stored, why, sizeof why));
-        json_decref(parts);
-        json_decref(stored);
         iso_key_destroy(now);
         iso_key_destroy(again);
         iso_key_destroy(key);
@@ -198,13 +194,12 @@ TEST(a_file_that_is_touched_or_written_again_is_the_same)
 {
     char why[256];
     iso_key *key = make_key();
-    json_t *stored = iso_key_to_json(key);
+    json_auto_t *stored = iso_key_to_json(key);
     FREED char *path = path_of("v.raw");
     unlink(path);
     write_text("v.raw", "abcXefgh"); /* perhaps another inode, the same bytes */
     iso_key *now = make_key();
     assert_false(iso_key_differs(now, stored, why, sizeof why));
-    json_decref(stored);
     iso_key_destroy(now);
     iso_key_destroy(key);
 }
@@ -213,17 +208,15 @@ TEST(an_input_more_or_less_is_noticed)
 {
     char why[256];
     iso_key *key = make_key();
-    json_t *stored = iso_key_to_json(key);
+    json_auto_t *stored = iso_key_to_json(key);
     write_text("w.raw", "w");
     note("w.raw");
     iso_key *now = make_key();
-    json_t *parts = iso_key_to_json(now);
+    json_auto_t *parts = iso_key_to_json(now);
     assert_true(iso_key_differs(now, stored, why, sizeof why));
     assert_non_null(strstr(why, "other files are read"));
     assert_true(iso_key_differs(key, parts, why, sizeof why));
     assert_true(iso_key_differs(key, NULL, why, sizeof why)); /* no key was stored */
-    json_decref(parts);
-    json_decref(stored);
     iso_key_destroy(now);
     iso_key_destroy(key);
 }
@@ -243,10 +236,9 @@ TEST(values_and_paths_are_not_readable)
 {
     iso_key *key = iso_key_create();
     iso_key_add_text(key, "--scene", "/home/somebody/secret.scene.json");
-    json_t *parts = iso_key_to_json(key);
+    json_auto_t *parts = iso_key_to_json(key);
     FREED char *text = json_dumps(parts, 0);
     assert_null(strstr(text, "secret"));
-    json_decref(parts);
     iso_key_destroy(key);
 }
 

@@ -3,10 +3,6 @@
 #include "rendered.h"
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "volume/labels.h"
 
 /* ---- a slab of two labels, looked at across ---- */
@@ -121,7 +117,7 @@ TEST(a_slab_of_two_labels_has_its_closed_form)
                  {"gl", true, 2e-6},
                  {"povray", false, 2e-5},
                  {"cycles", false, 2e-6}};
-    iso_level level = make_slab();
+    ENDED_BY(free_slab) iso_level level = make_slab();
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         OWNED(iso_image) image;
         assert_ok(draw(cases[i].renderer, &level, cases[i].exact, &image, &err));
@@ -130,13 +126,12 @@ TEST(a_slab_of_two_labels_has_its_closed_form)
             print_error("%s, exact %d: %g from the closed form\n", cases[i].renderer, cases[i].exact, far);
         assert_true(far <= cases[i].tolerance);
     }
-    free_slab(&level);
 }
 
 /* Differences of labels are those of what is looked up, in all ways of lookup. */
 TEST(differences_on_the_fly_are_those_of_labels)
 {
-    iso_level level = make_slab();
+    ENDED_BY(free_slab) iso_level level = make_slab();
     iso_view view = make_view();
     iso_image wanted, image;
     view.shading = (iso_shading){.ambient = 0.3, .diffuse = 0.7, .power = 1};
@@ -150,13 +145,12 @@ TEST(differences_on_the_fly_are_those_of_labels)
         iso_image_destroy(&image);
     }
     iso_image_destroy(&wanted);
-    free_slab(&level);
 }
 
 /* Planted: interpolated, the labels between 3 and 7 show. */
 TEST(interpolated_labels_are_far_from_it)
 {
-    iso_level level = make_slab();
+    ENDED_BY(free_slab) iso_level level = make_slab();
     level.labels = false;
     static const char *const names[] = {"reference", "gl", "povray", "cycles"};
     for (int i = 0; i < 4; ++i) {
@@ -164,20 +158,18 @@ TEST(interpolated_labels_are_far_from_it)
         assert_ok(draw(names[i], &level, false, &image, &err));
         assert_true(farthest(&image) > 0.1);
     }
-    free_slab(&level);
 }
 
 /* None of ours does. */
 TEST(a_renderer_that_would_interpolate_is_refused)
 {
-    iso_level level = make_slab();
+    ENDED_BY(free_slab) iso_level level = make_slab();
     iso_renderer_info without = *find("gl");
     iso_image image;
     iso_error err = {""};
     without.traits &= ~(unsigned)ISO_HAS_LABELS;
     assert_int_equal(draw_by(&without, &level, false, &image, &err), ISO_E_USAGE);
     assert_non_null(strstr(err.text, "label maps are rendered by reference, gl, cpu, cycles and povray, not by gl"));
-    free_slab(&level);
 }
 
 /* ---- majorities ---- */

@@ -3,10 +3,6 @@
  * that do not keep this are noticed. */
 #define _GNU_SOURCE
 #include <malloc.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 
 #include "base/large.h"

@@ -2,16 +2,11 @@
 /* Lattices and stores: what a plan leaves is what the bricks show, and an update bakes no less than it must. */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/random.h"
 #include "brick/lattice.h"
 #include "brick/pack.h"
 #include "brick/store.h"
 #include "volume/synthetic.h"
-
 
 enum { LEVELS = 3, BRICK = 4 };
 
@@ -141,8 +136,8 @@ static iso_lattice_options options_of(const scene *s, bool merged, size_t level)
 TEST(merged_lattice_shows_what_the_bricks_show)
 {
     for (unsigned seed = 1; seed <= 5; ++seed) {
-        scene s;
-        iso_lattice l;
+        ENDED_BY(destroy_scene) scene s;
+        OWNED(iso_lattice) l;
         size_t shown;
         make_scene(&s, ISO_FIELD_NOISE, seed);
         iso_lattice_options o = options_of(&s, true, 0);
@@ -153,8 +148,6 @@ TEST(merged_lattice_shows_what_the_bricks_show)
         assert_at_most(largest_difference(&s, &l, true, &shown), 0.5 / 1024 + 1e-6);
         assert_true(shown > 100);
         assert_true(l.active_count < l.size[0] * l.size[1] * l.size[2]);
-        iso_lattice_destroy(&l);
-        destroy_scene(&s);
     }
 }
 
@@ -194,8 +187,8 @@ static uint8_t *activity_of(const iso_lattice *l, size_t i)
  * field is another. */
 TEST(lattice_without_its_halo_or_a_node_is_seen_to_differ)
 {
-    scene s;
-    iso_lattice l;
+    ENDED_BY(destroy_scene) scene s;
+    OWNED(iso_lattice) l;
     size_t shown, halo = 0;
     make_scene(&s, ISO_FIELD_RAMP, 1);
     iso_lattice_options o = options_of(&s, true, 0);
@@ -243,8 +236,6 @@ TEST(lattice_without_its_halo_or_a_node_is_seen_to_differ)
             *active = all[i] && i % 50 != 0; /* one in fifty */
     }
     assert_more_than(largest_difference(&s, &l, true, &shown), 0.05);
-    iso_lattice_destroy(&l);
-    destroy_scene(&s);
 }
 
 /* The largest difference of a halo's scalars from the field, of its range. */
@@ -276,7 +267,7 @@ TEST(a_halo_holds_the_scalars_of_the_field)
     size_t count = 0;
     for (unsigned seed = 1; seed <= 5; ++seed)
         for (size_t level = 0; level <= LEVELS; ++level) {
-            scene s;
+            ENDED_BY(destroy_scene) scene s;
             iso_lattice l;
             make_scene(&s, ISO_FIELD_NOISE, seed);
             iso_lattice_options o = options_of(&s, level == LEVELS, level);
@@ -294,17 +285,16 @@ TEST(a_halo_holds_the_scalars_of_the_field)
                     assert_more_than(largest_halo_error(&s, &l, &count), 0.01);
                 iso_lattice_destroy(&l);
             }
-            destroy_scene(&s);
         }
     assert_true(count > 100);
 }
 
 TEST(nodes_of_a_lattice_stand_where_the_volume_has_them)
 {
-    scene s;
+    ENDED_BY(destroy_scene) scene s;
     make_scene(&s, ISO_FIELD_NOISE, 2);
     for (size_t level = 0; level < LEVELS; ++level) {
-        iso_lattice l;
+        OWNED(iso_lattice) l;
         iso_lattice_options o = options_of(&s, false, level);
         o.whole_box = level == 1;
         assert_ok(iso_lattice_create(&l, &s.field, &o, &err));
@@ -317,14 +307,12 @@ TEST(nodes_of_a_lattice_stand_where_the_volume_has_them)
         if (o.whole_box)
             assert_true(iso_lattice_use_of(&l, 0, 0, 0) != ISO_LATTICE_UNUSED &&
                         iso_lattice_use_of(&l, l.size[0] - 1, l.size[1] - 1, l.size[2] - 1) != ISO_LATTICE_UNUSED);
-        iso_lattice_destroy(&l);
     }
-    destroy_scene(&s);
 }
 
 TEST(what_has_no_lattice_is_refused)
 {
-    scene s;
+    ENDED_BY(destroy_scene) scene s;
     iso_lattice l;
     make_scene(&s, ISO_FIELD_NOISE, 3);
     iso_lattice_options o = options_of(&s, true, 0);
@@ -334,19 +322,18 @@ TEST(what_has_no_lattice_is_refused)
     memset(s.drawn, 0, iso_brick_count(&s.nodes));
     assert_status(iso_lattice_create(&l, &s.field, &o, &err), ISO_E_RANGE);
     assert_null(l.blocks);
-    destroy_scene(&s);
 }
 
 /* ---- the store ------------------------------------------------------------------ */
 
 TEST(an_update_leaves_what_baking_from_nothing_leaves)
 {
-    scene s;
-    iso_brick_store store = {0};
+    ENDED_BY(destroy_scene) scene s;
+    OWNED(iso_brick_store) store = {0};
     make_scene(&s, ISO_FIELD_NOISE, 4);
     size_t count = iso_brick_count(&s.nodes), rebaked = 0, changed = 0;
     for (int round = 0; round < 40; ++round) {
-        iso_brick_store scratch = {0};
+        OWNED(iso_brick_store) scratch = {0};
         size_t baked, all;
         for (int k = 0; k < round % 4; ++k, ++changed)
             s.levels[iso_random_below(&s.random, count)] = (uint8_t)iso_random_below(&s.random, LEVELS);
@@ -357,18 +344,15 @@ TEST(an_update_leaves_what_baking_from_nothing_leaves)
         assert_true(iso_brick_store_equal(&store, &scratch, &s.nodes));
         assert_true(round == 0 ? baked == all : baked < all);
         rebaked += round > 0 ? baked : 0;
-        iso_brick_store_destroy(&scratch);
     }
     assert_true(rebaked > 0 && rebaked <= 27 * changed + 40);
-    iso_brick_store_destroy(&store);
-    destroy_scene(&s);
 }
 
 /* The planted fault: a store that follows the levels but does not look at neighbors. */
 TEST(bricks_beside_a_change_do_change)
 {
-    scene s;
-    iso_brick_store before = {0}, after = {0};
+    ENDED_BY(destroy_scene) scene s;
+    OWNED(iso_brick_store) before = {0}, after = {0};
     make_scene(&s, ISO_FIELD_NOISE, 5);
     size_t count = iso_brick_count(&s.nodes), middle[3] = {2, 2, 1}, different = 0;
     memset(s.levels, 0, count);
@@ -381,9 +365,6 @@ TEST(bricks_beside_a_change_do_change)
         different += after.levels[i] == 0 && memcmp(before.bricks[i], after.bricks[i], bytes) != 0;
     assert_int_equal(different, 26);
     assert_false(iso_brick_store_equal(&before, &after, &s.nodes));
-    iso_brick_store_destroy(&before);
-    iso_brick_store_destroy(&after);
-    destroy_scene(&s);
 }
 
 TEST_MAIN(NULL, NULL)

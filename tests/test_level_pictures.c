@@ -32,11 +32,8 @@ static void of_another_volume(iso_pyramid *p, size_t level)
 {
     const iso_field other = field_of(ISO_FIELD_SHELLS);
     iso_pyramid_options opt = iso_pyramid_defaults();
-    OWNED(iso_volume) v;
-    OWNED(iso_pyramid) q;
     opt.level_count = levels;
-    assert_ok(iso_field_sample(&other, ISO_F32, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "other", &opt, &q, NULL, &err));
+    OWNED(iso_pyramid) q = sampled_pyramid(&other, ISO_F32, &opt);
     const size_t count = iso_geometry_voxel_count(&p->levels[level].geometry);
     memcpy(p->levels[level].scalar, q.levels[level].scalar, count * sizeof(float));
     memcpy(p->levels[level].codes, q.levels[level].codes, 3 * count);
@@ -93,7 +90,7 @@ static held held_with(iso_field_kind kind, fault *in_level_1, fault *in_level_2)
 {
     static int number;
     held h = {0};
-    subject s;
+    ENDED_BY(close_subject) subject s;
     char name[32];
     const iso_field field = field_of(kind);
     snprintf(name, sizeof name, "pictures-%d", number++);
@@ -110,7 +107,6 @@ static held held_with(iso_field_kind kind, fault *in_level_1, fault *in_level_2)
         h.nearer[k] = iso_row_number(json_object_get(row, "directions"), "difference_deg") < -5;
         h.stored[k] = json_is_true(json_object_get(json_object_get(row, "stored"), "held"));
     }
-    close_subject(&s);
     return h;
 }
 

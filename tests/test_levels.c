@@ -111,7 +111,7 @@ VALUES_TEST(clean_volumes_hold)
     };
     for (size_t i = 0; i < sizeof cleans / sizeof *cleans; ++i) {
         const struct clean *c = &cleans[i];
-        subject s;
+        ENDED_BY(close_subject) subject s;
         OWNED(iso_volume) volume;
         char name[32];
         iso_geometry g = iso_geometry_axis_aligned((size_t[]){34, 30, 27}, c->spacing);
@@ -132,7 +132,6 @@ VALUES_TEST(clean_volumes_hold)
             assert_within(stored(&s, level, "scalar"), 0, 0); /* the same sums in the same order */
             assert_within(stored(&s, level, "direction_deg"), 0, 0);
         }
-        close_subject(&s);
     }
 }
 
@@ -170,7 +169,7 @@ static void shift_scalar(iso_pyramid *p, size_t level)
 /* Each is seen in what is stored, and in the pictures of directions or values that are off by so much, too. */
 TEST(a_level_with_turned_directions_fails)
 {
-    subject s;
+    ENDED_BY(close_subject) subject s;
     open_subject(&s, ISO_FIELD_TUBES, "turned");
     turn_directions(&s.pyramid, 1);
     const iso_levels_summary summary = judge(&s);
@@ -182,12 +181,11 @@ TEST(a_level_with_turned_directions_fails)
     assert_more_than(stored(&s, 1, "direction_deg"), 15);
     assert_at_most(stored(&s, 1, "direction_deg"), 31);
     assert_non_null(strstr(summary.sentence, "Level 1 differs from one made of level 0"));
-    close_subject(&s);
 }
 
 VALUES_TEST(a_level_with_a_shifted_scalar_fails)
 {
-    subject s;
+    ENDED_BY(close_subject) subject s;
     open_subject(&s, ISO_FIELD_TUBES, "shifted");
     shift_scalar(&s.pyramid, 2);
     const iso_levels_summary summary = judge(&s);
@@ -196,13 +194,12 @@ VALUES_TEST(a_level_with_a_shifted_scalar_fails)
     assert_false(holds(&s, 2));
     assert_more_than(stored(&s, 2, "scalar"), 0.05);
     assert_within(stored(&s, 2, "direction_deg"), 0, 0);
-    close_subject(&s);
 }
 
 /* No picture shows one value that is off by a ten-thousandth of the range: what is stored does. */
 VALUES_TEST(one_value_that_is_slightly_off_fails)
 {
-    subject s;
+    ENDED_BY(close_subject) subject s;
     open_subject(&s, ISO_FIELD_TUBES, "slightly");
     iso_level *l = &s.pyramid.levels[1];
     const size_t middle = iso_geometry_voxel_count(&l->geometry) / 2;
@@ -211,7 +208,6 @@ VALUES_TEST(one_value_that_is_slightly_off_fails)
     assert_int_equal(summary.differed, 1);
     assert_false(holds(&s, 1));
     assert_within(stored(&s, 1, "scalar"), 1e-4, 1e-6); /* floats */
-    close_subject(&s);
 }
 
 /* A thin plate whose first level got the tensor filter, which shades it worse than moments: pictures say that the
@@ -219,8 +215,7 @@ VALUES_TEST(one_value_that_is_slightly_off_fails)
  * fly. */
 VALUES_TEST(a_wrong_choice_of_auto_is_named)
 {
-    subject s;
-    OWNED(iso_volume) volume;
+    ENDED_BY(close_subject) subject s;
     const iso_geometry geometry = iso_geometry_axis_aligned((size_t[]){48, 48, 48}, (double[]){1, 1, 1});
     const iso_field field = field_of(ISO_FIELD_PLATE, &geometry);
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -228,8 +223,7 @@ VALUES_TEST(a_wrong_choice_of_auto_is_named)
     iso_pyramid_destroy(&s.pyramid);
     build.direction_filter = ISO_DIRECTION_TENSOR;
     build.level_count = levels;
-    assert_ok(iso_field_sample(&field, ISO_F32, &volume, &err));
-    assert_ok(iso_pyramid_build(&volume, "auto", &build, &s.pyramid, NULL, &err));
+    s.pyramid = sampled_pyramid(&field, ISO_F32, &build);
     s.pyramid.options.direction_filter = ISO_DIRECTION_AUTO;
     s.pyramid.options.choice = (iso_direction_choice){.is_made = true};
     for (size_t k = 1; k < levels; ++k)
@@ -240,7 +234,6 @@ VALUES_TEST(a_wrong_choice_of_auto_is_named)
     assert_non_null(strstr(summary.sentence, "Level 1: auto chose tensor, but "));
     assert_non_null(strstr(summary.sentence, "build --direction-filter "));
     assert_string_equal(json_string_value(json_object_get(row_of(&s, 1), "chosen_filter")), "tensor");
-    close_subject(&s);
 }
 
 static iso_report_level row_with(const double own[], const double fly[], size_t views, double asked);
@@ -273,7 +266,7 @@ static double bound_of(const subject *s, size_t level, size_t views)
  * above it, planted, fails by itself. */
 TEST(what_is_measured_is_held_to_its_bound)
 {
-    subject s;
+    ENDED_BY(close_subject) subject s;
     const iso_geometry geometry = plain_geometry();
     const iso_field field = field_of(ISO_FIELD_TUBES, &geometry);
     /* fewer views than there are diagonals: another one is none of them */
@@ -289,7 +282,6 @@ TEST(what_is_measured_is_held_to_its_bound)
     const json_t *bound = json_object_get(row_of(&s, 1), "bound");
     assert_within(json_number_value(json_object_get(bound, "bound")),
                   bound_of(&s, 1, (size_t)json_integer_value(json_object_get(bound, "views"))), 1e-9);
-    close_subject(&s);
     const double own[] = {0.07, 0.08, 0.06, 0.07, 0.09, 0.05};
     iso_report_level row = row_with(own, own, 6, NAN);
     row.bound = (iso_report_bound){.views = 6, .rmse = 0.07, .bound = 0.2, .above = -0.1};
@@ -436,7 +428,7 @@ TEST(what_a_scene_asks_is_held_in_the_run)
     iso_scene scene = make_scene();
     const iso_geometry geometry = plain_geometry();
     const iso_field field = field_of(ISO_FIELD_TUBES, &geometry);
-    subject s;
+    ENDED_BY(close_subject) subject s;
     scene.levels.rmse = (iso_scene_level_limits){2, {0.5, 1e-4}};
     open_field(&s, &field, scene, "asked", size);
     const iso_levels_summary summary = judge(&s);
@@ -444,7 +436,6 @@ TEST(what_a_scene_asks_is_held_in_the_run)
     assert_false(holds(&s, 2));
     assert_non_null(strstr(summary.sentence, "Level 2: RMSE is"));
     assert_non_null(strstr(summary.sentence, "the limit is 0.0001"));
-    close_subject(&s);
 }
 
 TEST(limits_are_read_by_level)
@@ -469,7 +460,7 @@ TEST(limits_are_read_by_level)
         iso_scene scene;
         snprintf(json, sizeof json, text, cases[i].levels);
         iso_error err = {""};
-        json_t *root = json_loads(json, 0, NULL);
+        json_auto_t *root = json_loads(json, 0, NULL);
         assert_non_null(root);
         const iso_status status = iso_scene_from_json(root, "x.scene.json", &scene, &err);
         if ((status == ISO_OK) != (cases[i].status == ISO_OK))
@@ -484,7 +475,6 @@ TEST(limits_are_read_by_level)
             assert_true(isnan(iso_scene_level_limit(&scene.levels.rmse, 1)));
             iso_scene_destroy(&scene);
         }
-        json_decref(root);
     }
 }
 
@@ -512,7 +502,7 @@ TEST(angles_are_those_of_the_place_and_in_degrees)
     const double turn = 4;
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){n, 8, 8}, (double[]){1, 1, 1});
     OWNED(iso_volume) volume;
-    subject s;
+    ENDED_BY(close_subject) subject s;
     assert_ok(iso_volume_create(&volume, &g, ISO_F32, "ramp", &err));
     for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i)
         ((float *)volume.data)[i] = (float)(i % n);
@@ -545,7 +535,6 @@ TEST(angles_are_those_of_the_place_and_in_degrees)
         iso_code_encode(s.pyramid.options.code, back, l->codes + 3 * i, 1);
     assert_ok(iso_validate_angles(&s.validation, &s.pyramid, 1, ISO_FROM_CODES, &measured, &err));
     assert_within(measured.mean, 180, code_error);
-    close_subject(&s);
 }
 
 /* ---- more views where these leave a level open ---- */
@@ -575,7 +564,7 @@ TEST(a_level_that_few_views_leave_open_is_judged_by_twenty)
 TEST(a_quick_run_confirms_what_would_fail)
 {
     for (int turned = 0; turned < 2; ++turned) {
-        subject s;
+        ENDED_BY(close_subject) subject s;
         open_subject(&s, ISO_FIELD_BALLS, turned ? "confirmed" : "quick");
         if (turned)
             turn_directions(&s.pyramid, 1);
@@ -585,7 +574,6 @@ TEST(a_quick_run_confirms_what_would_fail)
         assert_int_equal(json_integer_value(json_object_get(row, "views")),
                          turned ? ISO_FACE_VIEWS : ISO_DIAGONAL_VIEWS);
         assert_true(json_is_true(json_object_get(row, "simple_held")) == !turned);
-        close_subject(&s);
     }
 }
 

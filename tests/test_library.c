@@ -3,10 +3,6 @@
  * and leave nothing behind (the sanitizers see to that). */
 #define _GNU_SOURCE
 #include <dirent.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Limits of halved steps and closed forms: what is right agrees, what is planted does not, and the gates say which. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/work.h"
 #include "validate/closed_form.h"
 #include "validate/faults.h"
 #include "validate/validate.h"
-#include "test.h"
+#include "sampled.h"
 #include "volume/synthetic.h"
 
 enum { pixels = 20 };
@@ -35,15 +31,13 @@ static subject open_subject(iso_field_kind kind, bool colors, bool step)
     const double spacing[3] = {1, 1.25, 1.6};
     iso_field field = {.kind = kind, .geometry = iso_geometry_axis_aligned(size, spacing), .seed = 4};
     iso_pyramid_options build = iso_pyramid_defaults();
-    OWNED(iso_volume) volume;
     subject s = {.view = {.width = pixels,
                           .height = pixels,
                           .light_count = 1,
                           .step_voxels = 0.5,
                           .shading = {.ambient = 0.2, .diffuse = 0.8, .specular = 0.3, .power = 5}}};
     build.level_count = 2;
-    assert_ok(iso_field_sample(&field, ISO_F32, &volume, &err));
-    assert_ok(iso_pyramid_build(&volume, "limits", &build, &s.pyramid, NULL, &err));
+    s.pyramid = sampled_pyramid(&field, ISO_F32, &build);
     iso_camera *c = &s.view.camera;
     c->forward = iso_normalize(iso_v3(1, 2, -0.7));
     c->right = iso_normalize(iso_cross(c->forward, iso_v3(0, 0, 1)));
@@ -116,9 +110,8 @@ TEST(the_reference_meets_the_closed_form)
 {
     const iso_field_kind kinds[] = {ISO_FIELD_CONSTANT, ISO_FIELD_RAMP};
     for (int k = 0; k < 2; ++k) {
-        subject s = open_subject(kinds[k], false, false);
+        ENDED_BY(close_subject) subject s = open_subject(kinds[k], false, false);
         assert_at_most(off_the_formula(&s, &s), 1e-6); /* the reference's tolerance */
-        close_subject(&s);
     }
 }
 
@@ -127,22 +120,21 @@ TEST(planted_faults_miss_the_closed_form)
 {
     const iso_fault faults[] = {ISO_FAULT_HALF_VOXEL, ISO_FAULT_MIRRORED,  ISO_FAULT_STALE, ISO_FAULT_UNIT,
                                 ISO_FAULT_RANGE,      ISO_FAULT_AXIS_SWAP, ISO_FAULT_LIGHT, ISO_FAULT_ONE_SIDED};
-    subject s = open_subject(ISO_FIELD_RAMP, false, false);
+    ENDED_BY(close_subject) subject s = open_subject(ISO_FIELD_RAMP, false, false);
     for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
-        subject wrong = open_subject(ISO_FIELD_RAMP, false, false);
+        ENDED_BY(close_subject) subject wrong = open_subject(ISO_FIELD_RAMP, false, false);
         iso_fault_plant(faults[i], &wrong.pyramid, 0, &wrong.view);
         double off = off_the_formula(&s, &wrong);
         if (!(off > 1e-3))
             fail_msg("%s: only %g off", iso_fault_name(faults[i]), off);
-        close_subject(&wrong);
     }
-    close_subject(&s);
 }
 
 TEST(a_closed_form_is_refused_where_there_is_none)
 {
     iso_image image;
     iso_error why = {""};
+    ENDED_BY(close_subject)
     subject bent = open_subject(ISO_FIELD_SPHERE, false, false), colorful = open_subject(ISO_FIELD_RAMP, true, false);
     assert_int_equal(iso_closed_form_render(&bent.pyramid.levels[0], bent.pyramid.options.code, &bent.view, &image,
                                             &why),
@@ -152,18 +144,15 @@ TEST(a_closed_form_is_refused_where_there_is_none)
                                             &image, &why),
                      ISO_E_RANGE);
     assert_non_null(strstr(why.text, "colors"));
-    close_subject(&bent);
-    close_subject(&colorful);
 }
 
 TEST(the_ray_caster_has_the_reference_for_its_limit)
 {
     char gate[64];
     for (int sharp = 0; sharp < 2; ++sharp) {
-        subject s = open_subject(ISO_FIELD_NOISE, true, sharp);
+        ENDED_BY(close_subject) subject s = open_subject(ISO_FIELD_NOISE, true, sharp);
         OWNED(iso_image) truth = reference(&s);
         assert_int_equal(judge(&s, &truth, &iso_renderer_gl, sharp, gate), ISO_VERDICT_AGREE);
-        close_subject(&s);
     }
 }
 
@@ -173,18 +162,16 @@ TEST(planted_faults_move_the_limit_out_of_its_bars)
     const iso_fault faults[] = {ISO_FAULT_HALF_VOXEL, ISO_FAULT_UNIT,      ISO_FAULT_SRGB,
                                 ISO_FAULT_RANGE,      ISO_FAULT_AXIS_SWAP, ISO_FAULT_LIGHT,
                                 ISO_FAULT_ONE_SIDED,  ISO_FAULT_STALE,     ISO_FAULT_MIRRORED};
-    subject s = open_subject(ISO_FIELD_NOISE, true, false);
+    ENDED_BY(close_subject) subject s = open_subject(ISO_FIELD_NOISE, true, false);
     OWNED(iso_image) truth = reference(&s);
     for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
-        subject wrong = open_subject(ISO_FIELD_NOISE, true, false);
+        ENDED_BY(close_subject) subject wrong = open_subject(ISO_FIELD_NOISE, true, false);
         char gate[64];
         iso_fault_plant(faults[i], &wrong.pyramid, 0, &wrong.view);
         if (judge(&wrong, &truth, &iso_renderer_gl, false, gate) != ISO_VERDICT_DIFFER)
             fail_msg("not caught: %s", iso_fault_name(faults[i]));
         assert_string_equal(gate, "left of the error by halving the step");
-        close_subject(&wrong);
     }
-    close_subject(&s);
 }
 
 /* The verdict at a coarse start, and where the halving ended. */
@@ -211,11 +198,11 @@ TEST(what_is_hopeless_would_be_rejected_in_the_end)
     size_t sooner = 0, agreed = 0;
     double samples = 0, samples_to_the_end = 0; /* of what differs */
     for (int sharp = 0; sharp < 2; ++sharp) {
-        subject s = open_subject(ISO_FIELD_NOISE, true, sharp);
+        ENDED_BY(close_subject) subject s = open_subject(ISO_FIELD_NOISE, true, sharp);
         OWNED(iso_image) truth = reference(&s);
         for (double amount = 1e-3; amount < 200; amount *= 4) {
             const iso_planted planted = {.deviation = ISO_DEVIATION_UNIT, .amount = amount};
-            subject wrong = open_subject(ISO_FIELD_NOISE, true, sharp);
+            ENDED_BY(close_subject) subject wrong = open_subject(ISO_FIELD_NOISE, true, sharp);
             double step, last;
             iso_plant(&planted, &wrong.pyramid, 0, &wrong.view);
             const double before = iso_work_sum().samples;
@@ -226,9 +213,7 @@ TEST(what_is_hopeless_would_be_rejected_in_the_end)
             samples_to_the_end += verdict == ISO_VERDICT_DIFFER ? iso_work_sum().samples - between : 0;
             sooner += step > last;
             agreed += verdict == ISO_VERDICT_AGREE;
-            close_subject(&wrong);
         }
-        close_subject(&s);
     }
     assert_true(sooner >= 4 && agreed >= 4);
     printf("what differs is told after %.2g of the samples\n", samples / samples_to_the_end);
@@ -238,7 +223,7 @@ TEST(what_is_hopeless_would_be_rejected_in_the_end)
 /* Where the TF's step is not resolved, the bars of a smooth TF are not reached, and the row says so. */
 TEST(a_sharp_tf_that_is_called_smooth_is_told)
 {
-    subject s = open_subject(ISO_FIELD_NOISE, true, true);
+    ENDED_BY(close_subject) subject s = open_subject(ISO_FIELD_NOISE, true, true);
     for (size_t i = 3; i < 4 * s.view.tf.count; i += 4)
         s.view.tf.entries[i] *= 60; /* the first sample inside decides */
     OWNED(iso_image) truth = reference(&s);
@@ -252,12 +237,11 @@ TEST(a_sharp_tf_that_is_called_smooth_is_told)
     iso_validate_limit_row(&(iso_scene_agreement){.tier = ISO_TIER_CONVERGENCE}, &limit, &row);
     assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
     assert_more_than(limit.bar, opt.wanted_bar);
-    close_subject(&s);
 }
 
 TEST(wide_bars_are_halved_until_they_are_narrow)
 {
-    subject s = open_subject(ISO_FIELD_NOISE, true, false);
+    ENDED_BY(close_subject) subject s = open_subject(ISO_FIELD_NOISE, true, false);
     OWNED(iso_image) truth = reference(&s);
     OWNED(iso_extrapolated) coarse, fine;
     iso_limit_options opt = iso_limit_defaults();
@@ -276,14 +260,13 @@ TEST(wide_bars_are_halved_until_they_are_narrow)
     assert_status(iso_limit_find(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, &truth,
                                  &iso_renderer_gl, &opt, &none, &err),
                   ISO_E_RANGE);
-    close_subject(&s);
 }
 
 /* RMSE may hold while structure does not: where both are asked for, halving goes on. Without that (the planted fault,
  * and what a shell of a coarse level once showed) the row of a lit scene differs, though a finer step would do. */
 TEST(halving_goes_on_until_a_person_would_not_see_it)
 {
-    subject s = open_subject(ISO_FIELD_NOISE, true, true);
+    ENDED_BY(close_subject) subject s = open_subject(ISO_FIELD_NOISE, true, true);
     OWNED(iso_image) truth = reference(&s);
     OWNED(iso_extrapolated) blind, seeing;
     iso_limit_options opt = iso_limit_defaults();
@@ -298,7 +281,6 @@ TEST(halving_goes_on_until_a_person_would_not_see_it)
     assert_at_most(seeing.step_voxels, 0.5);
     assert_at_most(seeing.ssim_dissimilarity, opt.wanted_ssim_dissimilarity);
     assert_at_most(seeing.flip_mean, opt.wanted_flip);
-    close_subject(&s);
 }
 
 /* Where nothing rounds by more than 7.6e-6 of the peak, 1.8e-5 in every pixel is a fault, though it would be none in
@@ -306,7 +288,7 @@ TEST(halving_goes_on_until_a_person_would_not_see_it)
 TEST(an_offset_of_the_whole_image_fails_povrays_lock_step)
 {
     for (int white = 0; white < 2; ++white) {
-        subject s = open_subject(ISO_FIELD_NOISE, true, false);
+        ENDED_BY(close_subject) subject s = open_subject(ISO_FIELD_NOISE, true, false);
         iso_render_options opt = iso_render_defaults(&iso_renderer_povray), same;
         OWNED(iso_image) image, truth;
         s.view.background[0] = s.view.background[1] = s.view.background[2] = white;
@@ -327,14 +309,13 @@ TEST(an_offset_of_the_whole_image_fails_povrays_lock_step)
         assert_ok(iso_metrics_measure(&truth, &image, &row.metrics, &err));
         row.tolerances.max_abs = fmax(row.tolerances.max_abs, 4e-5); /* the RMSE alone has to see it */
         assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
-        close_subject(&s);
     }
 }
 
 /* POV-Ray's pair: the planes stay, the intervals halve, and the finer step is what was asked for or less. */
 TEST(povrays_pair_halves_the_intervals_between_the_same_planes)
 {
-    subject s = open_subject(ISO_FIELD_CONSTANT, false, false);
+    ENDED_BY(close_subject) subject s = open_subject(ISO_FIELD_CONSTANT, false, false);
     const iso_geometry *g = &s.pyramid.levels[0].geometry;
     const double chord = 2 * iso_geometry_box_radius_mm(g) / iso_geometry_min_spacing_mm(g);
     for (double step = 1; step > 0.005; step /= 2) {
@@ -349,14 +330,13 @@ TEST(povrays_pair_halves_the_intervals_between_the_same_planes)
         assert_at_most(most, step * (1 + 1e-9));
         assert_more_than(most, 0.6 * step); /* and not much finer */
     }
-    close_subject(&s);
 }
 
 /* What a report says of a limit is enough to make it again, whatever steps it was halved from. */
 TEST(a_limit_is_made_again_from_what_is_said_of_it)
 {
     static const iso_renderer_info *const which[] = {&iso_renderer_gl, &iso_renderer_povray};
-    subject s = open_subject(ISO_FIELD_NOISE, true, false);
+    ENDED_BY(close_subject) subject s = open_subject(ISO_FIELD_NOISE, true, false);
     OWNED(iso_image) truth = reference(&s);
     for (int i = 0; i < 2; ++i) {
         OWNED(iso_extrapolated) found;
@@ -376,7 +356,6 @@ TEST(a_limit_is_made_again_from_what_is_said_of_it)
                                    &opt, &other, &err));
         assert_more_than(largest_difference(&found.image, &other), 1e-4); /* another step is another limit */
     }
-    close_subject(&s);
 }
 
 /* What people see when the images alternate, though their RMSE is allowed: FLIP and 1 - SSIM are asked for too. */

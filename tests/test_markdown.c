@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The summary of a report as Markdown: what it has to say, and names that are no markup. */
 #define _GNU_SOURCE
-#include <stdlib.h>
-#include <string.h>
 
 #include "report/markdown.h"
 #include "tests/folder.h"

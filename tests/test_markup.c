@@ -4,8 +4,6 @@
 #include "test.h"
 
 #include <libxml/parser.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/markup.h"
 #include "base/random.h"

@@ -80,10 +80,9 @@ TEST(nonfinite_pixels_are_counted_and_never_agree)
                 assert_true(isnan(m.rmse) && isnan(m.flip_mean));
                 assert_false(iso_metrics_within(&m, &(iso_tolerances){1e9, 1e9, 1e9, 1e9, 1e9}));
                 assert_false(iso_metrics_within(&m, &(iso_tolerances){0}));
-                json_t *json = iso_metrics_to_json(&m);
+                json_auto_t *json = iso_metrics_to_json(&m);
                 assert_true(json_is_null(json_object_get(json, "rmse")));
                 assert_int_equal(json_integer_value(json_object_get(json, "nonfinite_count")), 1);
-                json_decref(json);
             }
 }
 

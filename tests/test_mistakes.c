@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Mistakes of renderers are named: those of the pictures that the search draws itself, those that are planted into
  * renderers by other code (faults.h), and none of a right renderer. */
-#include <string.h>
-
 #include "test.h"
 #include "validate/mistakes.h"
 

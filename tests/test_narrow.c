@@ -4,9 +4,6 @@
 #define _GNU_SOURCE
 #include "test.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/file.h"
 #include "povray/df3.h"
 #include "pyramid/narrow.h"
@@ -110,7 +107,7 @@ TEST(codes_of_a_box_are_those_of_the_level)
     for (int method = 0; method < ISO_GRADIENT_COUNT; ++method) {
         fixture f;
         OWNED(iso_pyramid) whole;
-        iso_narrow_codes codes;
+        OWNED(iso_narrow_codes) codes;
         begin(&f, method % 2 ? ISO_U8 : ISO_F32);
         f.narrow.options.gradient.method = (iso_gradient_method)method;
         assert_ok(iso_pyramid_build(&f.volume, "noise", &f.narrow.options, &whole, NULL, &err));
@@ -123,7 +120,6 @@ TEST(codes_of_a_box_are_those_of_the_level)
         /* The last box has been made: a voxel that is another is seen. */
         codes.codes[3 * (NX * NY * (7 - codes.first[2]) + NX * 12 + 20)] ^= 1;
         assert_int_equal(wrong_rows(&codes, &whole.levels[0], boxes[5][0], boxes[5][1]), 1);
-        iso_narrow_codes_destroy(&codes);
         end(&f);
     }
 }
@@ -260,7 +256,7 @@ TEST(df3_files_of_several_channels_are_equal)
     fixture f;
     begin(&f, ISO_U8);
     const size_t size[3] = {NX, NY, NZ}, voxels = (size_t)NX * NY * NZ;
-    iso_narrow_codes codes;
+    OWNED(iso_narrow_codes) codes;
     assert_ok(iso_narrow_codes_begin(&codes, &f.narrow, &f.volume, &err));
     const iso_df3_source source = {.size = {NX, NY, NZ},
                                    .channels = 3,
@@ -297,7 +293,6 @@ TEST(df3_files_of_several_channels_are_equal)
                 free(data[i]);
         }
     }
-    iso_narrow_codes_destroy(&codes);
     end(&f);
 }
 

@@ -5,9 +5,6 @@
 #include "rendered.h"
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "gl.h"

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/random.h"
 #include "brick/occupancy.h"
 
@@ -25,7 +21,7 @@ TEST(ranges_hold_every_voxel_and_its_neighbors)
 {
     FREED float *scalar = random_scalar();
     iso_geometry g = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1});
-    iso_brick_ranges r;
+    OWNED(iso_brick_ranges) r;
     assert_ok(iso_brick_ranges_create(&r, scalar, &g, 4, &err));
     assert_int_equal(r.count[0], 6);
     assert_int_equal(r.count[1], 3);
@@ -42,7 +38,6 @@ TEST(ranges_hold_every_voxel_and_its_neighbors)
                     }
         assert_true(r.min_max[2 * i] == min && r.min_max[2 * i + 1] == max);
     }
-    iso_brick_ranges_destroy(&r);
 }
 
 TEST(tf_shows_what_any_value_of_the_range_shows)

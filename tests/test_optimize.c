@@ -88,12 +88,11 @@ TEST(a_stopped_run_returns_the_level_so_far)
     const iso_scene scene = surface_scene();
     const volatile sig_atomic_t stop = 1;
     iso_optimize_options opt = fast(2);
-    iso_optimized o;
+    OWNED(iso_optimized) o;
     opt.stop = &stop;
     assert_ok(iso_optimize_level(&p, 1, &scene, &opt, &o, NULL, &err));
     assert_int_equal(o.steps, 0);
     assert_memory_equal(o.scalar, p.levels[1].scalar, iso_geometry_voxel_count(&p.levels[1].geometry) * sizeof(float));
-    iso_optimized_destroy(&o);
 }
 
 TEST(scenes_that_cannot_be_learned_are_refused)

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A volume that is read slab by slab has the same range, percentiles and histograms as one that is kept, and a changed
  * voxel changes them. */
-#include <math.h>
-#include <string.h>
-
 #include "tests/folder.h"
 #include "tests/test.h"
 #include "volume/overview.h"
@@ -75,17 +72,15 @@ TEST(slabs_of_any_size_say_what_the_whole_volume_says)
     for (size_t t = 0; t < sizeof types / sizeof *types; ++t) {
         FREED char *path = iso_path_join(folder, "volume.nrrd");
         write_volume(path, types[t], COUNT);
-        iso_overview whole = look(path, 0, 0, 1);
+        OWNED(iso_overview) whole = look(path, 0, 0, 1);
         const size_t plane = NX * NY * iso_type_bytes(types[t]);
         for (size_t planes = 1; planes <= NZ; planes += 3)
             for (int threads = 1; threads <= 3; threads += 2) {
-                iso_overview s = look(path, 1, planes * plane, threads);
+                OWNED(iso_overview) s = look(path, 1, planes * plane, threads);
                 assert_true(are_same(&whole, &s));
-                iso_overview_destroy(&s);
             }
         assert_int_equal(whole.rounded > 0, types[t] == ISO_F64);
         assert_null(whole.header.data);
-        iso_overview_destroy(&whole);
     }
 }
 
@@ -96,11 +91,10 @@ TEST(a_changed_voxel_changes_the_overview)
         FREED char *path = iso_path_join(folder, "volume.nrrd"), *other = iso_path_join(folder, "other.nrrd");
         write_volume(path, types[t], COUNT);
         write_volume(other, types[t], COUNT - 1);
-        iso_overview a = look(path, 1, 2 * NX * NY * iso_type_bytes(types[t]), 2),
-                     b = look(other, 1, 2 * NX * NY * iso_type_bytes(types[t]), 2);
+        OWNED(iso_overview)
+        a = look(path, 1, 2 * NX * NY * iso_type_bytes(types[t]), 2),
+        b = look(other, 1, 2 * NX * NY * iso_type_bytes(types[t]), 2);
         assert_false(are_same(&a, &b));
-        iso_overview_destroy(&a);
-        iso_overview_destroy(&b);
     }
 }
 

@@ -3,7 +3,6 @@
  * and as differences; what packs better was chosen. */
 #include "test.h"
 
-#include <stdlib.h>
 #include <zlib.h>
 
 #include "view/pack.h"

@@ -3,9 +3,6 @@
 #define _GNU_SOURCE
 #include "palette/palette.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "base/random.h"

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Palettes in the renderers: GL against the reference, and both against the directions that the palette stands for. */
-#include "test.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "sampled.h"
 
 #include "pyramid/palette_level.h"
 #include "render/gl/raycaster.h"
@@ -29,12 +25,10 @@ static void subject_create(subject *s, size_t directions, bool orthographic)
     iso_pyramid_options opt = iso_pyramid_defaults();
     iso_palette_options fit = iso_palette_defaults();
     OWNED(iso_direction_set) set;
-    OWNED(iso_volume) v;
     memset(s, 0, sizeof *s);
     opt.level_count = 1;
     opt.keep_float = true;
-    assert_ok(iso_field_sample(&field, ISO_F32, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "test", &opt, &s->pyramid, NULL, &err));
+    s->pyramid = sampled_pyramid(&field, ISO_F32, &opt);
     iso_level *level = &s->pyramid.levels[0];
     assert_ok(
         iso_direction_set_create(&set, level->directions, NULL, iso_geometry_voxel_count(&level->geometry), &err));
@@ -116,7 +110,7 @@ TEST(gl_agrees_with_the_reference)
 {
     const size_t directions[] = {254, 1022}; /* 8 and 16 bits an index */
     for (int i = 0; i < 2; ++i) {
-        subject s;
+        OWNED(subject) s;
         subject_create(&s, directions[i], i);
         difference d = compare(by_gl(&s, ISO_FROM_PALETTE, false), by_reference(&s, ISO_FROM_PALETTE));
         assert_at_most(d.max_abs, 2e-5);
@@ -135,21 +129,19 @@ TEST(gl_agrees_with_the_reference)
         s.palette.xyz[3 * 7] = x;
         d = compare(turned, by_reference(&s, ISO_FROM_PALETTE));
         assert_more_than(d.max_abs, 2e-5);
-        subject_destroy(&s);
     }
 }
 
 /* With an entry for every direction a palette is the floats. */
 TEST(a_palette_of_all_directions_is_the_float_field)
 {
-    subject s;
+    OWNED(subject) s;
     subject_create(&s, 32000, false);
     difference d = compare(by_reference(&s, ISO_FROM_PALETTE), by_reference(&s, ISO_FROM_FLOAT));
     /* Directions normalized again in floats (1e-7), up to 1 / eps = 100 times larger where eight of them cancel. */
     assert_at_most(d.max_abs, 1e-5);
     d = compare(by_gl(&s, ISO_FROM_PALETTE, false), by_gl(&s, ISO_FROM_FLOAT, false));
     assert_at_most(d.max_abs, 2e-5);
-    subject_destroy(&s);
 }
 
 VALUES_TEST(more_entries_come_closer_to_the_floats)
@@ -157,12 +149,11 @@ VALUES_TEST(more_entries_come_closer_to_the_floats)
     const size_t directions[] = {20, 254, 1022};
     double before = 1;
     for (int i = 0; i < 3; ++i) {
-        subject s;
+        OWNED(subject) s;
         subject_create(&s, directions[i], false);
         difference d = compare(by_reference(&s, ISO_FROM_PALETTE), by_reference(&s, ISO_FROM_FLOAT));
         assert_more_than(0.6 * before, d.rmse);
         before = d.rmse;
-        subject_destroy(&s);
     }
 }
 
@@ -170,7 +161,7 @@ VALUES_TEST(more_entries_come_closer_to_the_floats)
 TEST(shade_table_is_the_shading_for_a_viewer_far_away)
 {
     for (int orthographic = 0; orthographic < 2; ++orthographic) {
-        subject s;
+        OWNED(subject) s;
         subject_create(&s, 254, orthographic);
         difference d = compare(by_gl(&s, ISO_FROM_PALETTE_NEAREST, true), by_gl(&s, ISO_FROM_PALETTE_NEAREST, false));
         /* Shades of an entry by doubles against floats, with n = d / sqrt(1 + eps^2) in the shader: eps is about one
@@ -179,13 +170,12 @@ TEST(shade_table_is_the_shading_for_a_viewer_far_away)
             assert_at_most(d.max_abs, 1e-4);
         else
             assert_more_than(d.max_abs, 1e-4);
-        subject_destroy(&s);
     }
 }
 
 TEST(a_level_without_palette_is_refused)
 {
-    subject s;
+    OWNED(subject) s;
     subject_create(&s, 20, false);
     iso_level_detach_palette(&s.pyramid.levels[0]);
     iso_gl_options opt = iso_gl_defaults();
@@ -197,7 +187,6 @@ TEST(a_level_without_palette_is_refused)
     assert_status(iso_reference_render(&s.pyramid.levels[0], s.pyramid.options.code, &s.view, &reference, &image, NULL,
                                        &err),
                   ISO_E_RANGE);
-    subject_destroy(&s);
 }
 
 static int setup(void **state)

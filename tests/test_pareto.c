@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The front of cost and error, and the choice on it. */
-#include <math.h>
-
 #include "base/random.h"
 #include "chart/pareto.h"
 #include "tests/test.h"

@@ -2,9 +2,6 @@
 /* Pixels beyond chance, with synthetic frames of a random renderer: blocks that are wrong are rejected, of whatever
  * part of an image; frames whose noise is as uneven as that of Cycles pass; and only what the reference excuses is
  * excused. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "test.h"
 #include "validate/validate.h"
 

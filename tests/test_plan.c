@@ -2,10 +2,6 @@
 /* The plan: what is hidden is left out, what is coarse stays within the error, more error means less model. */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "brick/pack.h"
 #include "plan/plan.h"
 #include "render/reference.h"
@@ -73,7 +69,7 @@ static double rmse(const iso_image *a, const iso_image *b)
  * of four of it here, which the command's verification makes good. */
 TEST(prediction_bounds_the_model_and_is_near_the_measured_error)
 {
-    scene s;
+    ENDED_BY(destroy_scene) scene s;
     OWNED(iso_plan) p;
     make_scene(&s, ISO_FIELD_SHELLS);
     assert_ok(iso_plan_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
@@ -96,7 +92,6 @@ TEST(prediction_bounds_the_model_and_is_near_the_measured_error)
     memset(p.levels, 2, p.brick_count); /* all coarse: such a model must be rejected */
     OWNED(iso_image) coarse = render(&f, &s.view);
     assert_more_than(rmse(&coarse, &full), 0.02);
-    destroy_scene(&s);
 }
 
 /* Wherever it is: of no voxel the plan may think that coarse bricks, which lose it, have it. */
@@ -110,7 +105,7 @@ TEST(a_voxel_alone_is_not_overlooked)
     for (size_t at = middle; at < middle + 4; ++at) {
         iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .scalar = scalar,
                            .max = 1};
-        scene s = {0};
+        ENDED_BY(destroy_scene) scene s = {0};
         OWNED(iso_plan) p;
         memset(scalar, 0, sizeof scalar);
         scalar[at] = 1;
@@ -121,7 +116,6 @@ TEST(a_voxel_alone_is_not_overlooked)
         assert_ok(iso_plan_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
         iso_plan_choose(&p, &s.nodes, 1e-9);
         assert_int_equal(p.levels[0], 0);
-        destroy_scene(&s);
     }
 }
 
@@ -138,7 +132,7 @@ TEST(values_visible_only_between_voxels_are_not_overlooked)
                        .scalar = scalar,
                        .max = 1};
     OWNED(iso_scene) file;
-    scene s = {0};
+    ENDED_BY(destroy_scene) scene s = {0};
     OWNED(iso_plan) p;
     assert_ok(iso_scene_load("refscenes/shells.scene.json", &file, &err));
     file.width = file.height = 24;
@@ -157,12 +151,11 @@ TEST(values_visible_only_between_voxels_are_not_overlooked)
     assert_more_than(rmse(&coarse, &full), 0.01); /* a model that must be rejected */
     iso_plan_choose(&p, &s.nodes, 1e-3);
     assert_int_equal(p.levels[0], 0);
-    destroy_scene(&s);
 }
 
 TEST(plan_does_not_depend_on_threads)
 {
-    scene s;
+    ENDED_BY(destroy_scene) scene s;
     OWNED(iso_plan) one, two;
     make_scene(&s, ISO_FIELD_NOISE);
     assert_ok(iso_plan_create(&one, &s.nodes, &s.view, 1, 1, NULL, &err));
@@ -172,12 +165,11 @@ TEST(plan_does_not_depend_on_threads)
     assert_memory_equal(one.levels, two.levels, one.brick_count);
     assert_memory_equal(one.squares, two.squares, one.brick_count * one.level_count * sizeof *one.squares);
     assert_memory_equal(one.footprints, two.footprints, one.brick_count * sizeof *one.footprints);
-    destroy_scene(&s);
 }
 
 TEST(bricks_behind_the_opaque_and_outside_the_view_are_left_out)
 {
-    scene s;
+    ENDED_BY(destroy_scene) scene s;
     OWNED(iso_plan) p;
     make_scene(&s, ISO_FIELD_CONSTANT);
     for (size_t i = 0; i < s.view.tf.count; ++i)
@@ -196,7 +188,6 @@ TEST(bricks_behind_the_opaque_and_outside_the_view_are_left_out)
         else if (y == 4 && (z == 1 || z == 2))
             assert_more_than((double)p.footprints[i], 0);
     }
-    destroy_scene(&s);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -4,9 +4,6 @@
 #include "test.h"
 
 #include <jansson.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "base/json.h"
@@ -41,13 +38,11 @@ static void write_plan(const fixture *f)
     memset(seen, 1, count);
     const iso_brick_field field = {&n, levels, ISO_FACES_BAKED};
     iso_brick_cull(&field, &f->tf, 1, drawn);
-    json_t *plan = json_pack("{s:s, s:[iii], s:i, s:i}", "schema", "isoshade.plan/1", "bricks", (int)n.count[0],
-                             (int)n.count[1], (int)n.count[2], "brick_voxels", BRICK, "level_count", LEVELS);
-    json_t *bricks = iso_plan_file_bricks(levels, drawn, seen, count);
+    json_auto_t *plan = json_pack("{s:s, s:[iii], s:i, s:i}", "schema", "isoshade.plan/1", "bricks", (int)n.count[0],
+                                  (int)n.count[1], (int)n.count[2], "brick_voxels", BRICK, "level_count", LEVELS);
+    json_auto_t *bricks = iso_plan_file_bricks(levels, drawn, seen, count);
     json_object_update(plan, bricks);
     assert_ok(iso_json_save(f->plan, plan, &err));
-    json_decref(bricks);
-    json_decref(plan);
 }
 
 static int setup(void **state)
@@ -284,7 +279,7 @@ TEST_BETWEEN(sixteen_bits_of_a_crop_lose_nothing, setup, teardown)
 {
     fixture *f = *state;
     OWNED(iso_planned) p;
-    iso_planned_crop crop;
+    OWNED(iso_planned_crop) crop;
     size_t bits;
     open_plan(f, true, 1, &p);
     assert_ok(iso_planned_crop_create(&p, &f->level0, 1, &crop, &err));
@@ -296,7 +291,6 @@ TEST_BETWEEN(sixteen_bits_of_a_crop_lose_nothing, setup, teardown)
     crop.quantum /= 4;
     largest_df3_error(f, &crop, &bits);
     assert_int_equal(bits, 32);
-    iso_planned_crop_destroy(&crop);
 }
 
 /* Voxels whose component in a scene's DF3 file is not the one that the lattice's direction is coded as. */
@@ -320,7 +314,7 @@ TEST_BETWEEN(directions_of_a_crop_are_those_of_its_lit_nodes, setup, teardown)
 {
     fixture *f = *state;
     OWNED(iso_planned) p;
-    iso_planned_crop crop;
+    OWNED(iso_planned_crop) crop;
     open_plan(f, true, 1, &p);
     assert_ok(iso_planned_crop_create(&p, &f->level0, 1, &crop, &err));
     for (size_t axis = 0; axis < 3; ++axis)
@@ -334,7 +328,6 @@ TEST_BETWEEN(directions_of_a_crop_are_those_of_its_lit_nodes, setup, teardown)
     for (size_t axis = 0; axis < 3; ++axis)
         wrong += wrong_directions(f, &crop, axis);
     assert_true(wrong > 0 && wrong <= 3);
-    iso_planned_crop_destroy(&crop);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
 /* POV-Ray against the reference. These tests fail, not skip, without POV-Ray. */
-#include <math.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "base/process.h"
@@ -48,7 +45,7 @@ TEST(lock_step_agrees_from_inside_the_volume)
 
 TEST(lock_step_agrees_with_planes)
 {
-    comparison c = lock_step(0, false, 256);
+    ENDED_BY(end_comparison) comparison c = lock_step(0, false, 256);
     double rmse, most;
     iso_image wanted;
     iso_reference_options opt = iso_reference_defaults();
@@ -66,12 +63,11 @@ TEST(lock_step_agrees_with_planes)
             assert_more_than(most, 5 * lock_step_max);
         iso_image_destroy(&wanted);
     }
-    end_comparison(&c);
 }
 
 TEST(lock_step_agrees_with_float_directions)
 {
-    comparison c = lock_step(1, false, 256);
+    ENDED_BY(end_comparison) comparison c = lock_step(1, false, 256);
     c.options.float_directions = true;
     iso_reference_options opt = iso_reference_defaults();
     opt.quadrature = c.quadrature;
@@ -84,7 +80,6 @@ TEST(lock_step_agrees_with_float_directions)
     assert_at_most(largest_difference(&c.image, &wanted, &rmse), lock_step_max);
     /* Their own reference, not the codes': half a code step turns a direction by .2 degrees. */
     assert_more_than(compare(&c, &rmse), 10 * lock_step_max);
-    end_comparison(&c);
 }
 
 static void plant_half_voxel_shift(comparison *c)
@@ -124,19 +119,17 @@ static const fault faults[] = {plant_half_voxel_shift, plant_swapped_axes, plant
 /* Each fault, planted into what the reference sees, is far beyond the threshold that the clean comparison keeps. */
 static void check_faults(comparison (*make)(size_t level), bool by_rmse, double threshold)
 {
-    comparison c = make(1);
+    ENDED_BY(end_comparison) comparison c = make(1);
     double rmse, most = compare(&c, &rmse);
     assert_at_most(by_rmse ? rmse : most, threshold);
     for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
-        comparison bad = make(1);
+        ENDED_BY(end_comparison) comparison bad = make(1);
         bad.image = c.image;
         faults[i](&bad);
         most = compare(&bad, &rmse);
         assert_more_than(by_rmse ? rmse : most, 5 * threshold);
         bad.image = (iso_image){0};
-        end_comparison(&bad);
     }
-    end_comparison(&c);
 }
 
 static comparison lock_step_of_level(size_t level)
@@ -156,7 +149,7 @@ TEST(converged_agrees_and_rejects_planted_faults)
 
 TEST(halving_the_intervals_quarters_the_error_and_the_limit_lies_within_its_bars)
 {
-    comparison c = converged(1);
+    ENDED_BY(end_comparison) comparison c = converged(1);
     iso_image images[3], limit, reference;
     double error[3], order, limit_error;
     iso_extrapolation bar;
@@ -186,7 +179,6 @@ TEST(halving_the_intervals_quarters_the_error_and_the_limit_lies_within_its_bars
     for (size_t i = 0; i < 3; ++i)
         iso_image_destroy(&images[i]);
     iso_image_destroy(&limit);
-    end_comparison(&c);
 }
 
 static uint32_t big_endian(const char *bytes, size_t count)
@@ -320,7 +312,7 @@ static const double png_max = 4e-5;
 
 TEST(an_exported_folder_renders_where_it_lies)
 {
-    comparison c = lock_step(1, true, 300);
+    ENDED_BY(end_comparison) comparison c = lock_step(1, true, 300);
     c.options.planes = 2;
     FREED char *base = iso_make_temp_dir(), *dir = iso_path_join(base, "two words"), *program;
     assert_ok(iso_povray_export(&c.pyramid, 1, &c.view, dir, &c.options, NULL, &err));
@@ -351,12 +343,11 @@ TEST(an_exported_folder_renders_where_it_lies)
     assert_ok(iso_povray_export(&c.pyramid, 0, &c.view, dir, &c.options, NULL, &err));
     assert_status(iso_povray_export(&c.pyramid, 0, &c.view, base, &c.options, NULL, &err), ISO_E_IO);
     iso_remove_tree(base);
-    end_comparison(&c);
 }
 
 TEST(options_outside_their_limits_are_refused)
 {
-    comparison c = lock_step(0, false, 256);
+    ENDED_BY(end_comparison) comparison c = lock_step(0, false, 256);
     iso_image image;
     const iso_povray_options good = c.options;
     iso_povray_options bad = good;
@@ -369,12 +360,11 @@ TEST(options_outside_their_limits_are_refused)
     bad = good;
     bad.df3_bits = 12;
     assert_status(iso_povray_render(&c.pyramid, 0, &c.view, &bad, &image, NULL, &err), ISO_E_RANGE);
-    end_comparison(&c);
 }
 
 TEST(a_missing_program_is_named)
 {
-    comparison c = lock_step(1, false, 256);
+    ENDED_BY(end_comparison) comparison c = lock_step(1, false, 256);
     iso_image image;
     char version[32];
     setenv("ISOSHADE_POVRAY", "/no/such/povray", 1);
@@ -386,7 +376,6 @@ TEST(a_missing_program_is_named)
     unsetenv("ISOSHADE_POVRAY");
     assert_ok(iso_povray_version(version, sizeof version, &err));
     assert_true(strncmp(version, "3.", 2) == 0);
-    end_comparison(&c);
 }
 
 /* A POV-Ray whose threads did not start in time, and that stays. */

@@ -40,7 +40,7 @@ static double entry_beside_the_center(const iso_geometry *g, const iso_camera *c
  * cutting plane. */
 TEST(a_plane_that_meets_the_box_where_a_ray_enters_takes_nothing_away)
 {
-    comparison c = converged(0);
+    ENDED_BY(end_comparison) comparison c = converged(0);
     const iso_geometry *g = &c.pyramid.levels[0].geometry;
     iso_view turned = oblique_view(g, true, 256);
     iso_camera camera = turned.camera, best = camera;
@@ -60,12 +60,11 @@ TEST(a_plane_that_meets_the_box_where_a_ray_enters_takes_nothing_away)
     c.view.width = 41, c.view.height = 1;
     double rmse;
     assert_at_most(compare(&c, &rmse), 1e-3); /* ten times what is left of the steps */
-    end_comparison(&c);
 }
 
 TEST(an_isosurface_is_the_first_hit_of_the_reference)
 {
-    comparison c = lock_step(0, false, 256);
+    ENDED_BY(end_comparison) comparison c = lock_step(0, false, 256);
     c.quadrature = ISO_QUADRATURE_FIRST_HIT;
     c.options.isosurface = true;
     c.options.iso = 39000;
@@ -78,7 +77,6 @@ TEST(an_isosurface_is_the_first_hit_of_the_reference)
     assert_more_than((double)hits, 300);
     c.options.iso += 65; /* a thousandth of the range */
     assert_more_than(compare(&c, &rmse), 10 * lock_step_max);
-    end_comparison(&c);
 }
 
 /* A level whose value is 1 - |p| and whose directions are radial, in a cube of 2 mm. */

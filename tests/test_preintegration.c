@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* test_preintegration.c - means of a transfer function: against sums, against closed forms, and in both ray casters. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "render/gl/raycaster.h"
 #include "render/reference.h"
-#include "test.h"
+#include "sampled.h"
 #include "tf/integral.h"
 #include "volume/synthetic.h"
 
@@ -44,7 +41,7 @@ TEST(means_are_those_of_a_fine_sum)
     static const double ends[][2] = {{-3, 7},    {7, -3}, {-0.3, 0.2}, {0.001, 0.0011}, {-0.02, 0.13}, {2.9, 3.4},
                                      {-20, 0.5}, {5, 40}, {-9, 30},    {-9, -5},        {8, 11}};
     iso_tf_table tf = make_table();
-    iso_tf_integral integral;
+    OWNED(iso_tf_integral) integral;
     assert_ok(iso_tf_integral_create(&integral, &tf, &err));
     for (size_t i = 0; i < sizeof ends / sizeof *ends; ++i) {
         double mean[4], sum[4];
@@ -53,13 +50,12 @@ TEST(means_are_those_of_a_fine_sum)
         for (int c = 0; c < 4; ++c)
             assert_within(mean[c], sum[c], 2e-6); /* the sum's own error at the bends */
     }
-    iso_tf_integral_destroy(&integral);
 }
 
 TEST(equal_values_give_the_transfer_function_itself)
 {
     iso_tf_table tf = make_table();
-    iso_tf_integral integral;
+    OWNED(iso_tf_integral) integral;
     assert_ok(iso_tf_integral_create(&integral, &tf, &err));
     for (double value = -4; value < 8; value += 0.0371) {
         double mean[4], rgbs[4];
@@ -68,7 +64,6 @@ TEST(equal_values_give_the_transfer_function_itself)
         for (int c = 0; c < 4; ++c)
             assert_within(mean[c], c < 3 ? rgbs[c] * rgbs[3] : rgbs[3], 1e-12);
     }
-    iso_tf_integral_destroy(&integral);
 }
 
 /* ---- a ramp through a thin shell: the opacity is closed ------------------------------------------------------------- */
@@ -150,13 +145,11 @@ static scene_of_field make_scene(const char *path, iso_field_kind kind, iso_type
     const size_t size[3] = {40, 33, 28};
     const double spacing[3] = {1, 0.8, 1.7};
     iso_field f = {.kind = kind, .geometry = iso_geometry_axis_aligned(size, spacing), .seed = 1};
-    OWNED(iso_volume) v;
     OWNED(iso_scene) scene;
     scene_of_field s;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
-    assert_ok(iso_field_sample(&f, type, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "test", &opt, &s.pyramid, NULL, &err));
+    s.pyramid = sampled_pyramid(&f, type, &opt);
     assert_ok(iso_scene_load(path, &scene, &err));
     assert_ok(iso_scene_resolve(&scene, &f.geometry, s.pyramid.levels[0].min, s.pyramid.levels[0].max, &s.view, &err));
     s.view.width = s.view.height = 48;
@@ -196,7 +189,7 @@ TEST(the_ray_caster_agrees_with_the_reference)
     iso_gl *gl;
     assert_ok(iso_gl_create(&gl, NULL, &err));
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        scene_of_field s = make_scene(cases[i].path, cases[i].kind, cases[i].type);
+        ENDED_BY(destroy_scene) scene_of_field s = make_scene(cases[i].path, cases[i].kind, cases[i].type);
         for (size_t k = 0; k < 2; ++k)
             for (double step = 0.7; step < 4; step *= 4) {
                 iso_reference_options opt = iso_reference_defaults();
@@ -212,7 +205,6 @@ TEST(the_ray_caster_agrees_with_the_reference)
                 assert_at_most(worst_difference(&wanted, &sparse), 5e-5);
                 assert_more_than(worst_difference(&wanted, &midpoint), 1e-3);
             }
-        destroy_scene(&s);
     }
     iso_gl_destroy(gl);
 }
@@ -220,7 +212,7 @@ TEST(the_ray_caster_agrees_with_the_reference)
 /* At half a voxel a step the error of a shell thinner than a voxel falls to less than half of the midpoint's. */
 TEST(it_is_nearer_to_the_converged_image_than_the_midpoint_rule)
 {
-    scene_of_field s = make_scene("refscenes/shells.scene.json", ISO_FIELD_SHELLS, ISO_U16);
+    ENDED_BY(destroy_scene) scene_of_field s = make_scene("refscenes/shells.scene.json", ISO_FIELD_SHELLS, ISO_U16);
     double rmse[2];
     iso_reference_options opt = iso_reference_defaults();
     iso_image wanted, image;
@@ -239,7 +231,6 @@ TEST(it_is_nearer_to_the_converged_image_than_the_midpoint_rule)
     }
     assert_at_most(rmse[1] / rmse[0], 0.5);
     iso_image_destroy(&wanted);
-    destroy_scene(&s);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The line that says how far a command is: its words and its width. What a terminal gets is in check_progress.sh. */
-#include <string.h>
-
 #include "base/progress_line.h"
 #include "test.h"
 

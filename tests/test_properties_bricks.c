@@ -107,11 +107,10 @@ static const char *voxels_fail(const layout *l, const iso_brick_field *f)
 
 static const char *field_fails_with(const unsigned *n, iso_brick_faces faces)
 {
-    layout l = layout_of(n);
+    ENDED_BY(destroy_layout) layout l = layout_of(n);
     const iso_brick_field f = field_of(&l, faces);
     const double jump = worst_jump(&f, 40);
     const char *why = jump <= CONTINUOUS ? voxels_fail(&l, &f) : because("faces that bricks share jump by %g", jump, 0);
-    destroy_layout(&l);
     return why;
 }
 
@@ -159,7 +158,7 @@ static const char *places_fail(const layout *l, const iso_brick_pack *pack)
 
 static const char *cache_fails_with(const unsigned *n, size_t moved)
 {
-    layout l = layout_of(n);
+    ENDED_BY(destroy_layout) layout l = layout_of(n);
     iso_brick_pack pack;
     iso_error err = {""};
     const char *why = "bricks cannot be packed";
@@ -170,7 +169,6 @@ static const char *cache_fails_with(const unsigned *n, size_t moved)
         why = places_fail(&l, &pack);
         iso_brick_pack_destroy(&pack);
     }
-    destroy_layout(&l);
     return why;
 }
 
@@ -190,9 +188,9 @@ TEST(each_node_has_a_place_of_its_own_in_the_cache)
 /* What is baked for a change is what is baked from nothing; without a change nothing is. */
 static const char *store_fails_with(const unsigned *n, bool unnoticed)
 {
-    layout l = layout_of(n);
+    ENDED_BY(destroy_layout) layout l = layout_of(n);
     const iso_brick_field f = field_of(&l, ISO_FACES_BAKED);
-    iso_brick_store kept = {0}, fresh = {0};
+    OWNED(iso_brick_store) kept = {0}, fresh = {0};
     iso_error err = {""};
     size_t again = 1;
     const char *why = NULL;
@@ -206,9 +204,6 @@ static const char *store_fails_with(const unsigned *n, bool unnoticed)
                  iso_brick_store_update(&fresh, &f, l.drawn, 1, NULL, &err) != ISO_OK ||
                  !iso_brick_store_equal(&kept, &fresh, &l.nodes)))
         why = "what is baked for a change is not what is baked from nothing";
-    iso_brick_store_destroy(&kept);
-    iso_brick_store_destroy(&fresh);
-    destroy_layout(&l);
     return why;
 }
 
@@ -297,7 +292,7 @@ static const char *choices_fail(const unsigned *n, iso_plan *p, const iso_node_l
 
 static const char *plan_fails_with(const unsigned *n, bool coarser)
 {
-    layout l = layout_of(n);
+    ENDED_BY(destroy_layout) layout l = layout_of(n);
     float entries[4 * ENTRIES];
     const iso_view view = view_of(n, &l.nodes.geometry, entries);
     iso_plan plan;
@@ -311,7 +306,6 @@ static const char *plan_fails_with(const unsigned *n, bool coarser)
                 why = because("brick %g is seen by %g pixels", (double)i, (double)plan.footprints[i]);
         iso_plan_destroy(&plan);
     }
-    destroy_layout(&l);
     return why;
 }
 
@@ -330,16 +324,16 @@ TEST(a_plan_stays_within_its_error_and_more_error_is_no_more_model)
 
 static const char *file_fails_with(const unsigned *n, bool seen_is_lost)
 {
-    layout l = layout_of(n);
+    ENDED_BY(destroy_layout) layout l = layout_of(n);
     FREED char *path = iso_path_join(folder, "plan.json");
     FREED uint8_t *seen = malloc(l.count);
-    iso_plan_file back = {0};
+    OWNED(iso_plan_file) back = {0};
     iso_error err = {""};
     assert_non_null(path);
     assert_non_null(seen);
     for (size_t i = 0; i < l.count; ++i) /* what is drawn is seen; of the rest every second brick */
         seen[i] = l.drawn[i] || i % 2;
-    json_t *root = iso_plan_file_bricks(l.levels, l.drawn, seen, l.count);
+    json_auto_t *root = iso_plan_file_bricks(l.levels, l.drawn, seen, l.count);
     json_object_update_new(root, json_pack("{s:s, s:[i, i, i], s:i, s:i}", "schema", "isoshade.plan/1", "bricks",
                                            (int)l.nodes.count[0], (int)l.nodes.count[1], (int)l.nodes.count[2],
                                            "brick_voxels", (int)l.nodes.brick_voxels, "level_count",
@@ -353,9 +347,6 @@ static const char *file_fails_with(const unsigned *n, bool seen_is_lost)
                  memcmp(back.seen, seen, l.count) != 0 || back.level_count != l.nodes.level_count ||
                  memcmp(back.count, l.nodes.count, sizeof back.count) != 0))
         why = "it is not read as it was written";
-    json_decref(root);
-    iso_plan_file_destroy(&back);
-    destroy_layout(&l);
     return why;
 }
 

@@ -4,9 +4,6 @@
 #define _GNU_SOURCE
 #include "test.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/provenance.h"
 
 static void expect_word(const char *word, const char *expected)

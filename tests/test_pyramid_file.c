@@ -3,8 +3,6 @@
 #include "folder.h"
 #include "test.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 #include <xxhash.h>
 

@@ -2,9 +2,6 @@
 /* Transfer functions as Blender's ColorRamp: stops, and what they lose. */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 #include "blender/blender.h"
 
 /* Colors and opacities of a length of 2 mm go up and down. */

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The ray caster against the reference with the same sampling. Sizes and spacings are unequal, the grid is rotated. */
 #define _POSIX_C_SOURCE 200809L
-#include "test.h"
+#include "sampled.h"
 #include "gl.h"
 
-#include <math.h>
 #include <spawn.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -248,10 +245,7 @@ TEST(the_flipped_fetch_of_a_plate_agrees_with_the_reference)
 {
     iso_field f = {.kind = ISO_FIELD_PLATE, .geometry = rotated_geometry()};
     iso_pyramid_options opt = iso_pyramid_defaults();
-    OWNED(iso_volume) v;
-    OWNED(iso_pyramid) p;
-    assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "plate", &opt, &p, NULL, &err));
+    OWNED(iso_pyramid) p = sampled_pyramid(&f, ISO_F32, &opt);
     OWNED(iso_view) view = make_view(PERSPECTIVE, &p.levels[0]);
     for (size_t k = 0; k < 2; ++k)
         check_agreement(&p.levels[k], opt.code, &view, ISO_FROM_FLIPPED, k ? "plate, level 1" : "plate");
@@ -288,14 +282,11 @@ VALUES_TEST(every_reference_scene_agrees_at_every_level)
                  {"refscenes/shells.scene.json", ISO_FIELD_NOISE, ISO_U8}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         iso_field f = {.kind = cases[i].kind, .geometry = rotated_geometry(), .seed = 1};
-        OWNED(iso_volume) v;
         OWNED(iso_scene) scene;
         OWNED(iso_view) view;
-        OWNED(iso_pyramid) p;
         iso_pyramid_options opt = iso_pyramid_defaults();
         opt.level_count = 3;
-        assert_ok(iso_field_sample(&f, cases[i].type, &v, &err));
-        assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
+        OWNED(iso_pyramid) p = sampled_pyramid(&f, cases[i].type, &opt);
         assert_ok(iso_scene_load(cases[i].scene, &scene, &err));
         assert_ok(iso_scene_resolve(&scene, &f.geometry, p.levels[0].min, p.levels[0].max, &view, &err));
         view.width = view.height = 64;
@@ -316,12 +307,9 @@ TEST(degenerate_volumes_and_cameras_agree)
         iso_geometry g = iso_geometry_axis_aligned(sizes[i], (const double[3]){1, 2, 0.5});
         for (int kind = ISO_FIELD_RAMP; kind <= ISO_FIELD_CONSTANT; kind += ISO_FIELD_CONSTANT) {
             iso_field f = {.kind = (iso_field_kind)kind, .geometry = g};
-            OWNED(iso_volume) v;
-            OWNED(iso_pyramid) p;
             iso_pyramid_options opt = iso_pyramid_defaults();
-            assert_ok(iso_field_sample(&f, ISO_F32, &v, &err));
             opt.level_count = 1;
-            assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
+            OWNED(iso_pyramid) p = sampled_pyramid(&f, ISO_F32, &opt);
             iso_level range = p.levels[0];
             range.min = -0.5, range.max = 1;
             for (int place = -2; place <= 2; ++place) {

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* test_reference.c - the reference against closed forms. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "render/reference.h"
 #include "test.h"
 
@@ -81,7 +77,7 @@ static const double small_spacing[3] = {1, 1.5, 2};
 TEST(a_slab_has_the_opacity_of_its_thickness)
 {
     const float entries[8] = {0.8f, 0.4f, 0.2f, 0.3f, 0.8f, 0.4f, 0.2f, 0.3f};
-    iso_level level = make_level(small_size, small_spacing, constant);
+    ENDED_BY(free_level) iso_level level = make_level(small_size, small_spacing, constant);
     const iso_vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
     const double thickness[3] = {4, 7.5, 12};
     for (int a = 0; a < 3; ++a) {
@@ -99,7 +95,6 @@ TEST(a_slab_has_the_opacity_of_its_thickness)
             }
         }
     }
-    free_level(&level);
 }
 
 static double a_third(iso_vec3 p)
@@ -112,7 +107,7 @@ static double a_third(iso_vec3 p)
 TEST(a_constant_volume_has_no_direction_on_the_fly)
 {
     const float entries[8] = {1, 1, 1, 0.3f, 1, 1, 1, 0.3f};
-    iso_level level = make_level(small_size, small_spacing, a_third);
+    ENDED_BY(free_level) iso_level level = make_level(small_size, small_spacing, a_third);
     level.min = level.max = (double)level.scalar[0];
     iso_view view = make_view(iso_normalize(iso_v3(1, 0.3, 0.2)), entries);
     view.shading = (iso_shading){.ambient = 0.25, .diffuse = 0.75, .power = 1};
@@ -124,20 +119,18 @@ TEST(a_constant_volume_has_no_direction_on_the_fly)
         for (size_t i = 0; i < 20; ++i)
             assert_within(image.rgba[4 * i], 0.25 * (double)image.rgba[4 * i + 3], 1e-7);
     }
-    free_level(&level);
 }
 
 /* The chord of an oblique ray through the middle of the box is closed as well. */
 TEST(an_oblique_chord_counts_in_full)
 {
     const float entries[8] = {1, 1, 1, 0.1f, 1, 1, 1, 0.1f};
-    iso_level level = make_level(small_size, small_spacing, constant);
+    ENDED_BY(free_level) iso_level level = make_level(small_size, small_spacing, constant);
     iso_view view = make_view(iso_normalize(iso_v3(1, 0, 1)), entries);
     view.camera.half_height = 1e-6;
     iso_reference_options opt = iso_reference_defaults();
     OWNED(iso_image) image = render(&level, &view, &opt);
     assert_within(image.rgba[3], 1 - exp(-(double)0.1f * 4 * sqrt(2)), 2e-6); /* the pixels' own offsets */
-    free_level(&level);
 }
 
 /* sigma = k s and color = s on a ramp: front half voxel constant, a linear part, back half voxel constant. */
@@ -155,7 +148,7 @@ static double ramp_color(double k, double s0, double s1, double half, double len
 TEST(a_ramp_of_extinction_and_color_matches_its_integral)
 {
     const float entries[8] = {0, 0, 0, 0, 1, 1, 1, 0.25f};
-    iso_level level = make_level(small_size, small_spacing, ramp);
+    ENDED_BY(free_level) iso_level level = make_level(small_size, small_spacing, ramp);
     iso_view view = make_view(iso_v3(0, 0, 1), entries);
     iso_reference_options opt = iso_reference_defaults();
     iso_image image = render(&level, &view, &opt);
@@ -169,7 +162,6 @@ TEST(a_ramp_of_extinction_and_color_matches_its_integral)
     image = render(&level, &view, &opt);
     assert_more_than(fabs(image.rgba[0] - ramp_color(0.25, 0.1, 0.9, 1, 10)), 1e-2);
     iso_image_destroy(&image);
-    free_level(&level);
 }
 
 /* Opacity of the ball with extinction s0 (1 - r^2) through its center: tau = s0 4/3. Trilinear
@@ -179,13 +171,12 @@ static double sphere_error(size_t n)
     const size_t size[3] = {n, n, n};
     const double spacing[3] = {2.2 / (double)n, 2.2 / (double)n, 2.2 / (double)n};
     const float entries[8] = {1, 1, 1, 0, 1, 1, 1, 0.75f};
-    iso_level level = make_level(size, spacing, paraboloid);
+    ENDED_BY(free_level) iso_level level = make_level(size, spacing, paraboloid);
     iso_view view = make_view(iso_normalize(iso_v3(1, 2, 3)), entries);
     view.camera.half_height = 1e-9;
     iso_reference_options opt = iso_reference_defaults();
     OWNED(iso_image) image = render(&level, &view, &opt);
     double error = fabs((double)image.rgba[3] - (1 - exp(-1.0)));
-    free_level(&level);
     return error;
 }
 
@@ -194,7 +185,7 @@ TEST(a_shell_thinner_than_a_cell_is_met)
 {
     float entries[4 * 1025] = {0};
     const size_t places[3] = {300, 481, 777};
-    iso_level level = make_level(small_size, small_spacing, ramp);
+    ENDED_BY(free_level) iso_level level = make_level(small_size, small_spacing, ramp);
     for (int i = 0; i < 3; ++i) {
         iso_view view = make_view(iso_v3(0, 0, -1), line_entries);
         view.tf = (iso_tf_table){.count = 1025, .lo = 0, .hi = 1, .entries = entries};
@@ -205,7 +196,6 @@ TEST(a_shell_thinner_than_a_cell_is_met)
         assert_within(image.rgba[3], 1 - exp(-50 * (1.0 / 1024) / 0.08), 1e-7);
         entries[4 * places[i] + 3] = 0;
     }
-    free_level(&level);
 }
 
 TEST(a_sphere_converges_with_the_square_of_the_spacing)
@@ -228,7 +218,7 @@ TEST(stepping_quadratures_converge_to_the_converged_one)
     const float entries[8] = {0, 0.2f, 1, 0, 1, 0.2f, 0, 2};
     const size_t size[3] = {12, 11, 10};
     const double spacing[3] = {0.18, 0.2, 0.22};
-    iso_level level = make_level(size, spacing, paraboloid);
+    ENDED_BY(free_level) iso_level level = make_level(size, spacing, paraboloid);
     iso_view view = make_view(iso_normalize(iso_v3(1, -2, 0.5)), entries);
     view.shading = (iso_shading){.ambient = 0.2, .diffuse = 0.6, .specular = 0.3, .power = 8};
     iso_reference_options opt = iso_reference_defaults();
@@ -248,7 +238,6 @@ TEST(stepping_quadratures_converge_to_the_converged_one)
         assert_at_most(error[q][1], 1e-3);
         assert_more_than(error[q][0] / error[q][1], 2.5); /* order 2, with the phase of knots and cell borders */
     }
-    free_level(&level);
 }
 
 TEST(threads_do_not_change_the_image)
@@ -256,7 +245,7 @@ TEST(threads_do_not_change_the_image)
     const float entries[8] = {0, 0.2f, 1, 0, 1, 0.2f, 0, 2};
     const size_t size[3] = {8, 7, 6};
     const double spacing[3] = {0.2, 0.2, 0.2};
-    iso_level level = make_level(size, spacing, paraboloid);
+    ENDED_BY(free_level) iso_level level = make_level(size, spacing, paraboloid);
     iso_view view = make_view(iso_normalize(iso_v3(1, -2, 0.5)), entries);
     iso_reference_options opt = iso_reference_defaults();
     opt.threads = 1;
@@ -264,14 +253,13 @@ TEST(threads_do_not_change_the_image)
     opt.threads = 3;
     OWNED(iso_image) three = render(&level, &view, &opt);
     assert_memory_equal(one.rgba, three.rgba, 4 * 5 * 4 * sizeof(float));
-    free_level(&level);
 }
 
 /* All directions are +z: a light from +z is full, one from the side is none, two-sided. */
 TEST(light_follows_the_directions_in_the_world)
 {
     const float entries[8] = {1, 1, 1, 5, 1, 1, 1, 5};
-    iso_level level = make_level(small_size, small_spacing, constant);
+    ENDED_BY(free_level) iso_level level = make_level(small_size, small_spacing, constant);
     iso_view view = make_view(iso_v3(0, 1, 0), entries);
     view.shading = (iso_shading){.ambient = 0.25, .diffuse = 0.75, .power = 1};
     iso_reference_options opt = iso_reference_defaults();
@@ -282,13 +270,12 @@ TEST(light_follows_the_directions_in_the_world)
         OWNED(iso_image) image = render(&level, &view, &opt);
         assert_within(image.rgba[0], expected[i], 1e-4); /* eps = one code step: 3e-5; exp(-5 * 7.5) */
     }
-    free_level(&level);
 }
 
 TEST(floats_that_are_not_there_are_refused)
 {
     const float entries[8] = {1, 1, 1, 5, 1, 1, 1, 5};
-    iso_level level = make_level(small_size, small_spacing, constant);
+    ENDED_BY(free_level) iso_level level = make_level(small_size, small_spacing, constant);
     iso_view view = make_view(iso_v3(0, 1, 0), entries);
     iso_reference_options opt = iso_reference_defaults();
     iso_image image;
@@ -297,7 +284,6 @@ TEST(floats_that_are_not_there_are_refused)
     opt = iso_reference_defaults();
     opt.tolerance = 0;
     assert_status(iso_reference_render(&level, ISO_CODE_SNORM, &view, &opt, &image, NULL, &err), ISO_E_RANGE);
-    free_level(&level);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* test_reference_exact.c - the reference's error bound and what it passes over, on random scenes and on closed
  * forms. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "render/cell_ray.h"
@@ -121,7 +118,7 @@ TEST(no_pixel_is_farther_off_than_its_bound)
 {
     double closest = 0, rgba[4 * PIXELS], exact[4 * PIXELS];
     for (uint64_t seed = 0; seed < 120; ++seed) {
-        scene s;
+        ENDED_BY(free_scene) scene s;
         make_scene(&s, seed);
         const iso_reference_result best = render(&s, 1e-10, false, exact);
         assert_true(best.is_proved);
@@ -135,7 +132,6 @@ TEST(no_pixel_is_farther_off_than_its_bound)
             assert_at_most(off, loose.error + best.error + 1e-13);
             closest = fmax(closest, off / loose.error);
         }
-        free_scene(&s);
     }
     print_message("the largest error was %.3g of its bound\n", closest);
     assert_more_than(closest, 1e-4);
@@ -146,7 +142,7 @@ TEST(halving_gives_the_same_pictures)
 {
     double worst = 0, rgba[4 * PIXELS], halved[4 * PIXELS];
     for (uint64_t seed = 0; seed < 30; ++seed) {
-        scene s;
+        ENDED_BY(free_scene) scene s;
         make_scene(&s, seed);
         const iso_reference_result cells = render(&s, 1e-9, false, rgba), other = render(&s, 1e-7, true, halved);
         const double off = largest_difference(rgba, halved, 4 * PIXELS);
@@ -155,7 +151,6 @@ TEST(halving_gives_the_same_pictures)
         if (off > cells.error + 1e-6)
             print_message("seed %d: off by %g, bounds %g and %g\n", (int)seed, off, cells.error, other.error);
         assert_at_most(off, cells.error + 1e-6); /* ten times what was asked of the estimate */
-        free_scene(&s);
     }
     print_message("the largest difference was %.3g\n", worst);
 }
@@ -217,7 +212,7 @@ TEST(closed_forms_hold_to_a_billionth)
 TEST(samples_in_lock_step_are_the_same_to_the_bit)
 {
     for (uint64_t seed = 400; seed < 460; ++seed) {
-        scene s;
+        ENDED_BY(free_scene) scene s;
         double rgba[2][4 * PIXELS];
         make_scene(&s, seed);
         for (int plain = 0; plain < 2; ++plain) {
@@ -233,7 +228,6 @@ TEST(samples_in_lock_step_are_the_same_to_the_bit)
             assert_true(isnan(result.error));
         }
         assert_memory_equal(rgba[0], rgba[1], sizeof rgba[0]);
-        free_scene(&s);
     }
 }
 
@@ -331,7 +325,7 @@ TEST(one_voxel_is_never_passed_over)
     OWNED(iso_shown) shown;
     assert_ok(iso_shown_create(&shown, &tf, NULL, &err));
     for (int v = 0; v < COUNT; ++v) {
-        iso_empty_space empty;
+        OWNED(iso_empty_space) empty;
         const int at[3] = {v % NX, v / NX % NY, v / (NX * NY)};
         scalar[v] = 1;
         assert_ok(iso_empty_space_create(&empty, &level, &shown, NULL, NULL, 1, &err));
@@ -343,7 +337,6 @@ TEST(one_voxel_is_never_passed_over)
                 apart = hi[a] <= at[a] || lo[a] > at[a] + 1;
             assert_true(apart);
         }
-        iso_empty_space_destroy(&empty);
         scalar[v] = 0;
     }
 }
@@ -365,7 +358,7 @@ TEST(rays_along_edges_of_empty_blocks_end)
     OWNED(iso_sampler) sampler;
     OWNED(iso_shown) shown;
     iso_empty_space empty, unknown = {.cells = {N + 1, N + 1, N + 1}};
-    iso_cell_scene cells, all;
+    OWNED(iso_cell_scene) cells, all;
     iso_cell_ray_variant v[4];
     state_of_random = 5;
     for (int i = 0; i < 6; ++i)
@@ -400,8 +393,6 @@ TEST(rays_along_edges_of_empty_blocks_end)
         assert_within(exp(-passing.depth), exp(-whole.depth), 1e-11);
     }
     alarm(0);
-    iso_cell_scene_destroy(&all);
-    iso_cell_scene_destroy(&cells);
     iso_empty_space_destroy(&empty);
 }
 

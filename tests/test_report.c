@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The report: verdicts, order, files, page, JUnit. With a path as argument the example is left there to look at. */
 #define _GNU_SOURCE
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "base/file.h"
@@ -195,7 +192,7 @@ TEST(every_file_is_there_and_the_data_is_whole)
         free(path);
     }
     char *path = iso_path_join(dir, "report.json");
-    json_t *root;
+    json_auto_t *root;
     assert_ok(iso_json_load(path, &root, &err));
     assert_string_equal(json_string_value(json_object_get(root, "schema")), "isoshade.validate/1");
     assert_string_equal(json_string_value(json_object_get(root, "verdict")), "differ");
@@ -216,7 +213,6 @@ TEST(every_file_is_there_and_the_data_is_whole)
         assert_non_null(json_object_get(json_array_get(json_object_get(root, "agreement"), 3), keys[i]));
     for (size_t i = 0; i < sizeof more / sizeof more[0]; ++i)
         assert_non_null(json_object_get(json_array_get(json_object_get(root, "consistency"), 0), more[i]));
-    json_decref(root);
     free(path);
     iso_report_destroy(r);
 }
@@ -264,14 +260,12 @@ TEST(the_page_needs_nothing_from_outside)
     assert_int_equal(count_of(page, "data:image/svg+xml;base64,"), 2);
     iso_report_summary summary = iso_report_summarize(r);
     assert_int_equal(count_of(page, summary.sentence), 2); /* in the page, and in the data */
-    json_t *root = data_of_page(page), *alone;
+    json_auto_t *root = data_of_page(page), *alone;
     assert_non_null(root);
     free(path);
     path = iso_path_join(dir, "report.json");
     assert_ok(iso_json_load(path, &alone, &err));
     assert_true(json_equal(root, alone)); /* the page shows what report.json holds */
-    json_decref(root);
-    json_decref(alone);
     free(page);
     free(path);
     free(dir);
@@ -406,7 +400,7 @@ TEST(gates_decide_too)
     row.metrics.rmse = 0.5;
     row.gates[1].value = 3;
     assert_int_equal(iso_report_verdict(&row), ISO_VERDICT_DIFFER);
-    json_t *facts = json_pack("{s:f}", "order", 1.5);
+    json_auto_t *facts = json_pack("{s:f}", "order", 1.5);
     row.statistics = facts;
     assert_ok(iso_report_add_agreement(r, &row, &err));
     const json_t *kept = json_array_get(json_object_get(iso_report_json(r), "agreement"), 0);
@@ -428,7 +422,6 @@ TEST(gates_decide_too)
     assert_ok(iso_report_write_junit(r, path, &err));
     read_text(path, &xml);
     assert_non_null(strstr(xml, "error bar is not a number, at most 0.0004"));
-    json_decref(facts);
     free(xml);
     free(path);
     free(dir);

@@ -80,9 +80,8 @@ TEST(cameras_project_as_our_rays_look)
         iso_scene scene = scene_of_points(points, 3);
         scene.orthographic = orthographic;
         OWNED(iso_view) view = view_of(&scene, &p);
-        json_t *root = written(&p, 0, &view);
+        json_auto_t *root = written(&p, 0, &view);
         expect_projection(root, &view);
-        json_decref(root);
     }
 }
 

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What single precision may change of a picture: the bound is the closed form's, holds for the ray caster, and rejects
  * what is no rounding. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "render/reference.h"
 #include "test.h"
 #include "validate/rounding.h"
@@ -88,12 +84,11 @@ TEST(the_bound_of_a_ramp_is_the_closed_form)
     const size_t size[3] = {12, 14, 41};
     const double h = 0.7, extinction = 1e-4, n = (double)size[2], step = ldexp(1, -24);
     const iso_volume v = ramp_along_z(size, h);
-    subject s = open_subject(&v, 65, 0, 64, extinction, false);
+    ENDED_BY(close_subject) subject s = open_subject(&v, 65, 0, 64, extinction, false);
     const double opacity = h * extinction * step * ((n - 1) * n / (n - 1) + n * 4);
     const iso_sample_error most = bound_of(&s);
     assert_within(most.max_abs / opacity, 1, 0.01); /* 1 - T is .003 here; steps end at the faces of voxels */
     assert_within(most.rmse / (opacity * sqrt((3 * 0.25 + 1) / 4)), 1, 0.01);
-    close_subject(&s);
     iso_volume_destroy((iso_volume *)&v);
 }
 
@@ -162,14 +157,13 @@ TEST(the_ray_caster_is_within_the_bound)
     for (size_t k = 0; k < 3; ++k)
         for (size_t w = 0; w < 3; ++w) {
             OWNED(iso_volume) v = sampled(kinds[k]);
-            subject s = open_subject(&v, 64, 20, 20 + widths[w], 2, true);
+            ENDED_BY(close_subject) subject s = open_subject(&v, 64, 20, 20 + widths[w], 2, true);
             const iso_sample_error most = bound_of(&s);
             OWNED(iso_image) a = picture(&s, &iso_renderer_reference), b = picture(&s, &iso_renderer_gl);
             const iso_metrics m = difference(&a, &b);
             if (!(m.rmse <= most.rmse + rest.rmse) || !(m.max_abs <= most.max_abs + rest.max_abs))
                 fail_msg("kind %zu, %zu entries: RMSE %g of %g, largest %g of %g", k, widths[w], m.rmse, most.rmse,
                          m.max_abs, most.max_abs);
-            close_subject(&s);
         }
 }
 
@@ -180,15 +174,14 @@ TEST(what_is_no_rounding_is_rejected)
 {
     const double usual = iso_renderer_gl.lock_step->rounded.rmse;
     OWNED(iso_volume) v = sampled(ISO_FIELD_NOISE);
-    subject ordinary = open_subject(&v, 256, 60, 200, 0.3, true), steep = open_subject(&v, 1024, 512, 513, 9, true);
+    ENDED_BY(close_subject) subject ordinary = open_subject(&v, 256, 60, 200, 0.3, true),
+                                    steep = open_subject(&v, 1024, 512, 513, 9, true);
     assert_true(limits_of(&ordinary).rmse == usual);
     assert_more_than(bound_of(&steep).rmse, usual); /* else this shows nothing */
     assert_at_most(smallest_rejected(&ordinary, limits_of(&ordinary).rmse), 0.01);
     assert_at_most(smallest_rejected(&steep, limits_of(&steep).rmse), 0.05);
     assert_more_than(rmse_of_a_shifted_table(&ordinary, 0.5), 20 * limits_of(&ordinary).rmse);
     assert_more_than(rmse_of_a_shifted_table(&steep, 0.5), 5 * limits_of(&steep).rmse);
-    close_subject(&ordinary);
-    close_subject(&steep);
 }
 
 TEST_MAIN(NULL, end_renderers)

@@ -6,10 +6,6 @@
 #include "cycles.h"
 #include "folder.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "compare/metrics.h"
 #include "fit/extinction_scale.h"
 #include "render/gl/raycaster.h"
@@ -35,14 +31,11 @@ static iso_pyramid noise_pyramid(iso_code code)
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column)
             field.geometry.index_to_world.m[row][column] = rotation[row][column] * h[column];
-    OWNED(iso_volume) v;
-    iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
     opt.code = code;
     opt.keep_float = true;
-    assert_ok(iso_field_sample(&field, ISO_U8, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "field", &opt, &p, NULL, &err));
+    iso_pyramid p = sampled_pyramid(&field, ISO_U8, &opt);
     return p;
 }
 

@@ -3,9 +3,6 @@
  * distances; what lies far from all blocks is in none. */
 #include "test.h"
 
-#include <math.h>
-#include <string.h>
-
 #include "base/random.h"
 #include "render/screen_reach.h"
 

@@ -2,10 +2,6 @@
 /* Small views of a level, and the judgment that is made of them. */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "tf/adapt.h"
 
 static iso_pyramid pyramid_of(const iso_geometry *g, double (*value)(const double at[3]), size_t levels)

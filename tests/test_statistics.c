@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Statistics: tables and closed forms of the distribution, extrapolation of known series, and faults with noise. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "compare/extrapolation.h"
 #include "tests/test.h"
 

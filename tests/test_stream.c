@@ -4,9 +4,6 @@
 #include "test.h"
 
 #include <dirent.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "pyramid/pyramid_stream.h"

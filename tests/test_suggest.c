@@ -3,10 +3,6 @@
  * faces have not to be a wall. */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/random.h"
 #include "scene/subject.h"
 #include "scene/viewpoint.h"
@@ -168,7 +164,7 @@ TEST(the_object_is_shown_and_the_faces_are_no_wall)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         iso_level l = make_level(cases[i].value);
         FREED iso_survey *survey;
-        iso_suggestion s;
+        OWNED(iso_suggestion) s;
         double solid, faces;
         assert_ok(iso_survey_make(&l, 1, &survey, &err));
         assert_ok(iso_suggest(survey, &l.geometry, &s, &err));
@@ -179,7 +175,6 @@ TEST(the_object_is_shown_and_the_faces_are_no_wall)
         assert_true(s.tf.point_count >= 2 && s.tf.point_count <= ISO_SUGGEST_POINTS);
         for (size_t k = 1; k < s.tf.point_count; ++k)
             assert_true(s.tf.points[k].value >= s.tf.points[k - 1].value);
-        iso_suggestion_destroy(&s);
         free(l.scalar);
     }
 }
@@ -298,13 +293,12 @@ TEST(any_volume_gets_a_transfer_function)
     for (size_t i = 0; i < sizeof odd / sizeof *odd; ++i) {
         iso_level l = make_level(odd[i]);
         for (size_t row = 0; row < iso_tf_preset_names.count; ++row) {
-            iso_tf tf;
+            OWNED(iso_tf) tf;
             OWNED(iso_tf_table) table;
             assert_ok(iso_tf_of_level(iso_names_name(&iso_tf_preset_names, row), NULL, NULL, &l, 1, &tf, &err));
             assert_ok(iso_tf_tabulate(&tf, l.min, l.max, &l.geometry, &table, &err));
             for (size_t e = 0; e < 4 * table.count; ++e)
                 assert_true(isfinite(table.entries[e]));
-            iso_tf_destroy(&tf);
         }
         free(l.scalar);
     }
@@ -360,14 +354,13 @@ TEST(air_is_the_background_of_a_body_that_is_cut_off)
 {
     iso_level l = make_level(cut_chest);
     FREED iso_survey *survey;
-    iso_suggestion found;
+    OWNED(iso_suggestion) found;
     assert_ok(iso_survey_make(&l, 1, &survey, &err));
     assert_true(survey->is_hounsfield);
     assert_true(survey->has_background);
     assert_true(survey->background_hi < -700 && survey->background < -850);
     assert_ok(iso_suggest(survey, &l.geometry, &found, &err));
     assert_int_equal(found.kind, ISO_SUGGEST_OBJECT);
-    iso_suggestion_destroy(&found);
     free(l.scalar);
 }
 

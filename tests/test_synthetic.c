@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/random.h"
 #include "volume/synthetic.h"
 

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* test_tf.c - transfer functions and scenes: files to tables and views. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/file.h"
 #include "scene/scene.h"
 #include "tf/adapt.h"
@@ -33,7 +29,7 @@ TEST(opacity_becomes_extinction_over_its_unit_distance)
 {
     FREED char *path = write_text("a.tf.json", TF_HEAD
                                   "\"range\": [0, 10], \"unit_distance_mm\": 2, \"table_size\": 11, " TF_POINTS);
-    iso_tf tf;
+    OWNED(iso_tf) tf;
     OWNED(iso_tf_table) table;
     iso_geometry g = box();
     assert_ok(iso_tf_load(path, &tf, &err));
@@ -50,7 +46,6 @@ TEST(opacity_becomes_extinction_over_its_unit_distance)
     assert_within(rgbs[2], 1, 0);
     iso_tf_lookup(&table, 99, rgbs);
     assert_within(rgbs[0], 1, 0);
-    iso_tf_destroy(&tf);
 }
 
 TEST(a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing)
@@ -59,7 +54,7 @@ TEST(a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing)
         "b.tf.json",
         "{\"schema\": \"isoshade.tf/1\", \"color_space\": \"srgb\", \"range\": \"fit\", "
         "\"unit_distance_voxels\": 3, \"points\": [{\"value\": 0.5, \"r\": 0.5, \"g\": 0, \"b\": 1, \"opacity\": 1}]}");
-    iso_tf tf;
+    OWNED(iso_tf) tf;
     iso_tf_table table;
     iso_geometry g = box();
     assert_ok(iso_tf_load(path, &tf, &err));
@@ -74,7 +69,6 @@ TEST(a_fitted_range_follows_the_volume_and_voxels_follow_the_spacing)
     assert_true(table.hi > table.lo);
     iso_tf_table_destroy(&table);
     assert_status(iso_tf_tabulate(&tf, NAN, 7, &g, &table, &err), ISO_E_RANGE);
-    iso_tf_destroy(&tf);
 }
 
 TEST(two_points_of_one_value_make_a_step)
@@ -85,14 +79,13 @@ TEST(two_points_of_one_value_make_a_step)
         "{\"value\": 0, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 0}, {\"value\": 1.5, \"r\": 0, \"g\": 0, \"b\": 0, \"opacity\": 0},"
         "{\"value\": 1.5, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0.5}, {\"value\": 4, \"r\": 1, \"g\": 1, \"b\": 1, \"opacity\": 0.5}]}");
     const float expected[5] = {0, 0, 1, 1, 1};
-    iso_tf tf;
+    OWNED(iso_tf) tf;
     OWNED(iso_tf_table) table;
     iso_geometry g = box();
     assert_ok(iso_tf_load(path, &tf, &err));
     assert_ok(iso_tf_tabulate(&tf, 0, 1, &g, &table, &err));
     for (size_t i = 0; i < 5; ++i)
         assert_within(table.entries[4 * i], (double)expected[i], 0);
-    iso_tf_destroy(&tf);
 }
 
 /* Values 0 to 65535 in 4096 entries: 16 values from one to the next. */
@@ -122,7 +115,7 @@ TEST(a_saved_tf_loads_as_the_same_table)
 {
     FREED char *path = write_text("d.tf.json", TF_HEAD "\"range\": [0, 10], \"unit_distance_mm\": 2, " TF_POINTS);
     FREED char *again = iso_path_join(folder, "again.tf.json");
-    iso_tf a, b;
+    OWNED(iso_tf) a, b;
     OWNED(iso_tf_table) ta, tb;
     iso_geometry g = box();
     assert_ok(iso_tf_load(path, &a, &err));
@@ -131,8 +124,6 @@ TEST(a_saved_tf_loads_as_the_same_table)
     assert_ok(iso_tf_tabulate(&a, 0, 1, &g, &ta, &err));
     assert_ok(iso_tf_tabulate(&b, 0, 1, &g, &tb, &err));
     assert_memory_equal(ta.entries, tb.entries, ta.count * 16);
-    iso_tf_destroy(&a);
-    iso_tf_destroy(&b);
 }
 
 TEST(bad_transfer_functions_are_refused_by_key_and_value)
@@ -292,11 +283,10 @@ TEST(the_densest_table_is_read_back_and_a_denser_one_refused)
     iso_error why = {""};
     assert_ok(iso_tf_tabulate(&densest, 0, 1, &g, &table, &err));
     assert_ok(iso_tf_from_table(&table, &written, &err));
-    json_t *file = iso_tf_to_json(&written);
+    json_auto_t *file = iso_tf_to_json(&written);
     assert_ok(iso_tf_from_json(file, "densest", &read, &err));
     assert_ok(iso_tf_tabulate(&read, 0, 1, &g, &back, &err));
     assert_within(back.entries[7], table.entries[7], 1e-6 * table.entries[7]); /* floats */
-    json_decref(file);
     iso_tf_destroy(&written);
     iso_tf_destroy(&read);
     table.entries[7] *= 1.001f;
@@ -329,7 +319,7 @@ TEST(each_format_that_is_written_and_read_keeps_the_table)
         assert_ok(format->save(&(iso_tf_output){&points, &table, 1}, path, &err));
         if (!format->load)
             continue;
-        iso_tf tf;
+        OWNED(iso_tf) tf;
         OWNED(iso_tf_table) back;
         assert_ok(iso_tf_load_as(path, &request, &tf, &err));
         assert_ok(iso_tf_tabulate(&tf, 0, 1, &g, &back, &err));
@@ -343,7 +333,6 @@ TEST(each_format_that_is_written_and_read_keeps_the_table)
                 assert_within(iso_linear_to_srgb(is[c]), iso_linear_to_srgb(was[c]), is_own ? 1e-6 : 2.0 / 255);
             assert_within(-expm1(-is[3]), -expm1(-was[3]), is_own ? 1e-6 : 2.0 / 255);
         }
-        iso_tf_destroy(&tf);
         ++*(is_own ? &own : &others);
     }
     iso_tf_destroy(&points);

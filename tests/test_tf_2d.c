@@ -5,10 +5,6 @@
 #include "test.h"
 #include "cycles.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "renderers/renderers.h"
 #include "compare/metrics.h"
 #include "scene/scene.h"

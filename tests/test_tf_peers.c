@@ -4,10 +4,6 @@
  *
  * tests/tf/vtk_tables.json holds tables of VTK's own functions, made by tests/peers/vtk_tables.py, which says of which
  * version. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/file.h"
 #include "tf/ciede2000.h"
 #include "tf/format.h"
@@ -27,7 +23,7 @@ static double difference(const char *file, const char *name, const json_t *vtk_c
     const iso_geometry g = unit_voxels();
     const iso_tf_request request = {.name = name, .unit_mm = strstr(file, ".paraview") ? 1 : 0, .measure = true};
     double most = 0;
-    iso_tf tf;
+    OWNED(iso_tf) tf;
     OWNED(iso_tf_table) t;
     assert_ok(iso_tf_load_as(file, &request, &tf, &err));
     assert_true(tf.loss.measured);
@@ -45,7 +41,6 @@ static double difference(const char *file, const char *name, const json_t *vtk_c
         for (size_t c = 0; c < 3 && opacity > 0; ++c)
             most = fmax(most, fabs(iso_linear_to_srgb((double)e[c]) - json_number_value(json_array_get(row, c))));
     }
-    iso_tf_destroy(&tf);
     return most;
 }
 
@@ -57,7 +52,7 @@ static const char *word(const json_t *object, const char *key)
 /* 1/255: what eight bits can show. Points are closer, a quarter of it, and the expected values have six digits. */
 TEST(curves_are_those_of_vtk)
 {
-    json_t *root;
+    json_auto_t *root;
     assert_ok(iso_json_load("tests/tf/vtk_tables.json", &root, &err));
     const json_t *cases = json_object_get(root, "cases");
     assert_int_equal(json_array_size(cases), 11);
@@ -73,7 +68,6 @@ TEST(curves_are_those_of_vtk)
     assert_string_equal(word(hsv, "name"), "hsv");
     assert_more_than(difference(word(hsv, "file"), "hsv, wrapped", hsv), 0.1);
     assert_more_than(difference(word(bent, "file"), "2", bent), 0.1);
-    json_decref(root);
 }
 
 /* VTK's own test of its class has this color in the middle, in bytes: (199, 0, 175). */
@@ -128,21 +122,20 @@ static void assert_shows(const iso_tf *tf, double value, const double rgba[4])
 
 TEST(steps_at_the_ends_hold_beyond_them)
 {
-    iso_tf tf = load("ends.vp", "1\n1\n1\n0\n0\n1\n8 10 0 10 0.4 20 0.4 20 0.8\n4 0 1 1 1\n8 10 1 1 1 20 1 1 1\n",
-                     (iso_tf_request){0});
+    OWNED(iso_tf)
+    tf = load("ends.vp", "1\n1\n1\n0\n0\n1\n8 10 0 10 0.4 20 0.4 20 0.8\n4 0 1 1 1\n8 10 1 1 1 20 1 1 1\n",
+              (iso_tf_request){0});
     assert_shows(&tf, 9, (double[]){1, 1, 1, 0});
     assert_shows(&tf, 15, (double[]){1, 1, 1, 0.4});
     assert_shows(&tf, 21, (double[]){1, 1, 1, 0.8});
-    iso_tf_destroy(&tf);
 }
 
 TEST(a_length_of_slicer_is_in_the_file)
 {
-    iso_tf tf;
+    OWNED(iso_tf) tf;
     assert_ok(iso_tf_load_as("tests/tf/curves.vp.json", &(iso_tf_request){.name = "1"}, &tf, &err));
     assert_within(tf.unit_distance, 2.5, 0);
     assert_false(tf.unit_is_voxels);
-    iso_tf_destroy(&tf);
 }
 
 static const char vp_lines[] = "1\n1\n0.9\n0.1\n0.2\n10\n6 0 0 50 0.25 100 0.75\n4 0 1 255 1\n"
@@ -194,11 +187,10 @@ TEST(maps_of_niivue_are_bytes_a_voxel)
     static const char text[] =
         "{\"min\": -10, \"max\": 92, \"R\": [0, 200, 255], \"G\": [0, 100, 255], \"B\": [0, 50, 255], "
         "\"A\": [0, 51, 102], \"I\": [0, 125, 255]}";
-    iso_tf tf = load("a.json", text, (iso_tf_request){0});
+    OWNED(iso_tf) tf = load("a.json", text, (iso_tf_request){0});
     assert_true(tf.unit_is_voxels);
     assert_within(tf.unit_distance, 1, 0);
     assert_shows(&tf, 40, (double[]){200 / 255.0, 100 / 255.0, 50 / 255.0, 0.2});
-    iso_tf_destroy(&tf);
 }
 
 TEST(points_of_inviwo_old_and_new)
@@ -210,11 +202,10 @@ TEST(points_of_inviwo_old_and_new)
         "<InviwoWorkspace version=\"3\"><Points><Point><pos content=\"0\"/><rgba x=\"0\" y=\"0\" z=\"0\" w=\"0\"/></Point>"
         "<Point><pos content=\"0.5\"/><rgba x=\"1\" y=\"0.5\" z=\"0.2\" w=\"0.8\"/></Point></Points></InviwoWorkspace>"};
     for (int i = 0; i < 2; ++i) {
-        iso_tf tf = load("a.itf", texts[i], (iso_tf_request){.unit_mm = 1});
+        OWNED(iso_tf) tf = load("a.itf", texts[i], (iso_tf_request){.unit_mm = 1});
         assert_true(tf.fit_range);
         assert_shows(&tf, 0.25, (double[]){0.5, 0.25, 0.1, 0.4});
         assert_shows(&tf, 0.9, (double[]){1, 0.5, 0.2, 0.8});
-        iso_tf_destroy(&tf);
     }
 }
 
@@ -227,10 +218,9 @@ TEST(split_keys_of_voreen_are_steps)
         "<colorR r=\"255\" g=\"0\" b=\"51\" a=\"204\"/></key>"
         "<key><intensity value=\"1\"/><split value=\"false\"/><colorL r=\"255\" g=\"0\" b=\"51\" a=\"204\"/></key>"
         "</Keys></TransFuncIntensity></VoreenData>";
-    iso_tf tf = load("a.tfi", text, (iso_tf_request){.unit_mm = 1});
+    OWNED(iso_tf) tf = load("a.tfi", text, (iso_tf_request){.unit_mm = 1});
     assert_shows(&tf, 150.4, (double[]){0, 0, 0, 0.2});
     assert_shows(&tf, 150.6, (double[]){1, 0, 0.2, 0.8});
-    iso_tf_destroy(&tf);
 }
 
 TEST(lookup_tables_of_imagej)

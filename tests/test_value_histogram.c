@@ -2,8 +2,6 @@
 /* test_value_histogram.c - counts that are known, and bins that draw no comb. */
 #include "test.h"
 
-#include <string.h>
-
 #include "volume/value_histogram.h"
 
 static iso_volume volume_of(iso_type type, size_t count, const void *samples, size_t bytes)

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* OpenVDB files hold what the pyramid holds, where the pyramid has it. */
 #define _GNU_SOURCE
-#include "test.h"
+#include "sampled.h"
 
 #include <dirent.h>
-#include <math.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 
 #include "base/file.h"
@@ -32,12 +29,10 @@ static iso_geometry skew_geometry(double shear)
 
 static void make_pyramid(const iso_geometry *g, iso_type type, size_t levels, iso_pyramid *p)
 {
-    OWNED(iso_volume) v = {0};
     iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = *g, .seed = 3};
-    assert_ok(iso_field_sample(&field, type, &v, &err));
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = levels;
-    assert_ok(iso_pyramid_build(&v, "noise", &opt, p, NULL, &err));
+    *p = sampled_pyramid(&field, type, &opt);
 }
 
 typedef struct fixture {

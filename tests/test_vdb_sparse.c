@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Grids without what a transfer function does not show: every reader that interpolates finds the same extinction. */
 #define _GNU_SOURCE
-#include "test.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "sampled.h"
 
 #include "base/file.h"
 #include "brick/occupancy.h"
@@ -22,16 +18,13 @@ typedef struct fixture {
 /* Odd sizes, so that leaves are cut and coarse levels overhang; left-handed where asked for. */
 static iso_pyramid make_pyramid(iso_type type, bool left_handed)
 {
-    iso_pyramid p;
-    OWNED(iso_volume) v = {0};
     iso_field field = {.kind = ISO_FIELD_SHELLS,
                        .geometry = iso_geometry_axis_aligned((size_t[]){37, 29, 43}, (double[]){1, 0.8, 1.5})};
     if (left_handed)
         field.geometry.index_to_world.m[1][1] *= -1;
-    assert_ok(iso_field_sample(&field, type, &v, &err));
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 3;
-    assert_ok(iso_pyramid_build(&v, "/home/someone/study/shells.nrrd", &opt, &p, NULL, &err));
+    iso_pyramid p = sampled_pyramid(&field, type, &opt);
     return p;
 }
 
@@ -193,7 +186,7 @@ TEST_BETWEEN(voxels_beyond_visible_cells_stay, setup, teardown)
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
     OWNED(iso_tf_table) tf = {0};
-    iso_vdb_activity a;
+    OWNED(iso_vdb_activity) a;
     band(&tf, l, 0.4, 0.5);
     assert_ok(iso_vdb_activity_create(&a, l, NULL, &(iso_vdb_shown){&tf, 1, false, 0}, 1, 0, &err));
     size_t beyond = 0, left_out = 0;
@@ -207,7 +200,6 @@ TEST_BETWEEN(voxels_beyond_visible_cells_stay, setup, teardown)
             }
     assert_true(beyond > 0);
     assert_int_equal(left_out, 0);
-    iso_vdb_activity_destroy(&a);
 }
 
 /* Planted fault: a single voxel that is needed, and is not there, is found. */
@@ -238,7 +230,7 @@ TEST_BETWEEN(directions_are_kept_where_something_is_seen, setup, teardown)
     const iso_level *l = &f->pyramid.levels[0];
     iso_vdb_options opt = iso_vdb_defaults();
     OWNED(iso_tf_table) tf = {0};
-    iso_vdb_activity a;
+    OWNED(iso_vdb_activity) a;
     band(&tf, l, 0.4, 0.5);
     const iso_vdb_shown shown = {&tf, 1, false, 0};
     opt.pad_voxels = 1;
@@ -261,7 +253,6 @@ TEST_BETWEEN(directions_are_kept_where_something_is_seen, setup, teardown)
     assert_int_equal(bad, 0);
     free(whole.values);
     free(sparse.values);
-    iso_vdb_activity_destroy(&a);
 }
 
 /* No transfer function: what equals the background all round goes, and no value changes. */
@@ -330,15 +321,13 @@ TEST_BETWEEN(threads_do_not_matter, setup, teardown)
     fixture *f = *state;
     const iso_level *l = &f->pyramid.levels[0];
     OWNED(iso_tf_table) tf = {0};
-    iso_vdb_activity a, b;
+    OWNED(iso_vdb_activity) a, b;
     band(&tf, l, 0.4, 0.5);
     assert_ok(iso_vdb_activity_create(&a, l, NULL, &(iso_vdb_shown){&tf, 1, false, 0}, 1, 1, &err));
     assert_ok(iso_vdb_activity_create(&b, l, NULL, &(iso_vdb_shown){&tf, 1, false, 0}, 1, 3, &err));
     assert_memory_equal(a.kept, b.kept, a.row_bytes * a.size[1] * a.size[2]);
     assert_memory_equal(a.lit, b.lit, a.row_bytes * a.size[1] * a.size[2]);
     assert_int_equal(a.kept_count, b.kept_count);
-    iso_vdb_activity_destroy(&a);
-    iso_vdb_activity_destroy(&b);
 }
 
 /* What a file holds behind the header, in which OpenVDB notes a random number. */

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What a report says of a row, and what a row is of: words, identity, and when nothing may be called agreement. */
 #define _GNU_SOURCE
-#include <math.h>
-#include <string.h>
 
 #include "compare/extrapolation.h"
 #include "report/report.h"
@@ -33,14 +31,12 @@ static const json_t *row_of(const iso_report *r, size_t at)
 TEST(every_word_of_a_verdict_is_read_again)
 {
     for (int i = 0; i < ISO_VERDICT_UNKNOWN; ++i) {
-        json_t *word = json_string(iso_verdict_word((iso_verdict)i));
+        json_auto_t *word = json_string(iso_verdict_word((iso_verdict)i));
         assert_int_equal(iso_verdict_from(word), i);
-        json_decref(word);
     }
-    json_t *odd = json_string("agreed");
+    json_auto_t *odd = json_string("agreed");
     assert_int_equal(iso_verdict_from(odd), ISO_VERDICT_UNKNOWN);
     assert_int_equal(iso_verdict_from(NULL), ISO_VERDICT_UNKNOWN);
-    json_decref(odd);
     /* Less certain is worse, and nothing is less certain than no word. */
     assert_true(iso_verdict_doubt(ISO_VERDICT_NOT_COMPARED) > iso_verdict_doubt(ISO_VERDICT_AGREE));
     assert_true(iso_verdict_doubt(ISO_VERDICT_REFUSED) > iso_verdict_doubt(ISO_VERDICT_NOT_COMPARED));
@@ -88,14 +84,13 @@ TEST(rows_are_named_in_words)
         {"reference", "gl", "exact lookups", "", 0, "gl, exact lookups"},
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
-        json_t *row = json_pack("{s:s, s:s, s:s, s:s}", "a", rows[i].a, "renderer", rows[i].renderer,
+        json_auto_t *row = json_pack("{s:s, s:s, s:s, s:s}", "a", rows[i].a, "renderer", rows[i].renderer,
                                 "comparison", rows[i].comparison, "variant", rows[i].variant);
         char words[ISO_ROW_NAME_BYTES];
         if (rows[i].seeds > 0)
             json_object_set_new(row, "statistics", json_pack("{s:f}", "seeds", rows[i].seeds));
         iso_row_words_of(row, words);
         assert_string_equal(words, rows[i].words);
-        json_decref(row);
     }
 }
 

@@ -2,10 +2,6 @@
 /* test_visible.c - shares of voxels, faces and pictures with known values, and their messages. */
 #include "test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "scene/visible.h"
 
 /* A volume of 20 x 10 x 10 voxels of 2 x 1 x 1 mm: its longest side is 40 mm, its mean side 20 mm. */

@@ -3,11 +3,8 @@
 #include "volume_files.h"
 #include "test.h"
 
-#include <math.h>
 #include <nifti1.h>
 #include <nifti2.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>

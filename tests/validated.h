@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "tests/folder.h"
-#include "tests/test.h"
+#include "tests/sampled.h"
 #include "validate/validate.h"
 #include "volume/synthetic.h"
 

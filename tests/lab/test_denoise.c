@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The estimate of noise, non-local means, and the wide estimator of gradients, on fields whose truth is known. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "lab/denoise.h"
 #include "lab/shading_method.h"
 #include "tests/test.h"

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What `isoshade-lab levels` counts: ratios to the base, cases that are worse, cases left out, and errors over what is
  * shown. */
-#include <math.h>
-#include <string.h>
-
 #include "lab/levels_report.h"
 #include "lab/volumes.h"
 #include "tests/test.h"
@@ -55,7 +52,7 @@ static json_int_t count_of(json_t *row, const char *key)
 
 TEST(the_base_has_ratio_one_in_every_figure)
 {
-    iso_level_cases c = two_methods();
+    OWNED(iso_level_cases) c = two_methods();
     add_case(&c, "a", false, 0.1, 0.3);
     add_case(&c, "b", false, 0.02, 0.001);
     json_t *blocks = iso_levels_report(&c, false), *row = row_of(blocks, 0, BASE);
@@ -66,13 +63,12 @@ TEST(the_base_has_ratio_one_in_every_figure)
     }
     assert_int_equal(count_of(row, "worse_count"), 0);
     json_decref(blocks);
-    iso_level_cases_destroy(&c);
 }
 
 /* Ratios 1.01, 1.03 and 1.10: two worse by 2 %, one by 5 %; the worst is named first. */
 TEST(worse_cases_are_counted_by_both_limits_and_named)
 {
-    iso_level_cases c = two_methods();
+    OWNED(iso_level_cases) c = two_methods();
     add_case(&c, "slightly", false, 0.1, 0.101);
     add_case(&c, "worse", false, 0.1, 0.103);
     add_case(&c, "worst", false, 0.1, 0.110);
@@ -84,25 +80,22 @@ TEST(worse_cases_are_counted_by_both_limits_and_named)
     assert_true(fabs(ratio_of(row, "dssim", "median") - 1.03) < 1e-4); /* both have 1e-6 added */
     assert_true(fabs(ratio_of(row, "dssim", "geometric_mean") - cbrt(1.01 * 1.03 * 1.10)) < 1e-4);
     json_decref(blocks);
-    iso_level_cases_destroy(&c);
 }
 
 TEST(what_is_held_back_stands_in_its_own_block)
 {
-    iso_level_cases c = two_methods();
+    OWNED(iso_level_cases) c = two_methods();
     add_case(&c, "a", false, 0.1, 0.05);
     add_case(&c, "b", true, 0.1, 0.2);
-    json_t *blocks = iso_levels_report(&c, false);
+    json_auto_t *blocks = iso_levels_report(&c, false);
     assert_int_equal(json_array_size(blocks), 2);
     assert_true(fabs(ratio_of(row_of(blocks, 0, OTHER), "dssim", "geometric_mean") - 0.5) < 1e-4);
     assert_true(fabs(ratio_of(row_of(blocks, 1, OTHER), "dssim", "geometric_mean") - 2) < 1e-4);
-    json_decref(blocks);
-    iso_level_cases_destroy(&c);
 }
 
 TEST(cases_that_tell_nothing_are_left_out_with_their_reason)
 {
-    iso_level_cases c = two_methods();
+    OWNED(iso_level_cases) c = two_methods();
     add_case(&c, "counts", false, 0.1, 0.05);
     add_case(&c, "empty", false, 0.1, 0.9);
     c.cases[1].finest_alpha = 0.5 / 255;
@@ -121,7 +114,6 @@ TEST(cases_that_tell_nothing_are_left_out_with_their_reason)
     assert_int_equal(json_object_size(json_object_get(json_array_get(blocks, 0), "left_out")), 3);
     assert_true(fabs(ratio_of(row, "dssim", "geometric_mean") - 0.5) < 1e-4);
     json_decref(blocks);
-    iso_level_cases_destroy(&c);
 }
 
 static iso_image plain_image(size_t width, size_t height, float value)
@@ -137,7 +129,7 @@ static iso_image plain_image(size_t width, size_t height, float value)
 /* Volume a: ratios 1/2 and 8, together 2, so the base is the best; b: 1/4, the other is. */
 TEST(the_best_is_counted_over_all_levels_of_a_pair)
 {
-    iso_level_cases c = two_methods();
+    OWNED(iso_level_cases) c = two_methods();
     add_case(&c, "a", false, 0.1, 0.05);
     add_case(&c, "a", false, 0.01, 0.08);
     add_case(&c, "b", false, 0.04, 0.01);
@@ -150,7 +142,6 @@ TEST(the_best_is_counted_over_all_levels_of_a_pair)
     assert_within(base.over_best, 2, 1e-3);        /* 1 and 4; 1e-6 is added to errors */
     assert_within(other.over_best, sqrt(2), 1e-3); /* 2 and 1 */
     assert_int_equal(iso_level_cases_nearness(&c, true, OTHER).near_best, 1);
-    iso_level_cases_destroy(&c);
 }
 
 TEST(errors_are_over_what_either_image_shows)

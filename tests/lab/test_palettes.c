@@ -273,7 +273,7 @@ TEST(annealing_lowers_its_own_error_and_the_nearest_is_not_worse)
     double assigned[2];
     for (int run = 0; run < 2; ++run) {
         OWNED(iso_palette) p;
-        iso_tessellation t;
+        OWNED(iso_tessellation) t;
         opt.anneal.cycles = run ? 30 : 0;
         opt.anneal.steps = 500;
         opt.anneal.temp_fac = 0.8;
@@ -303,7 +303,6 @@ TEST(annealing_lowers_its_own_error_and_the_nearest_is_not_worse)
             again += cost;
         }
         assert_within(again, assigned[run], 1e-3); /* 1500 entries rounded to floats */
-        iso_tessellation_destroy(&t);
     }
     assert_more_than(assigned[0], 1.5 * assigned[1]);
 }

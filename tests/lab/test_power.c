@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* test_power.c - what is planted is what its name says, and the gates of validation answer for random scenes. */
-#include <math.h>
-#include <string.h>
-
 #include "lab/power.h"
 #include "tests/test.h"
 #include "tests/cycles.h"
@@ -232,14 +229,12 @@ TEST(a_finding_is_of_pictures_alone)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char text[400];
         snprintf(text, sizeof text, "{\"levels\": [{\"level\": 1, \"verdict\": \"differ\"%s}", cases[i].more);
-        json_t *report = json_loads(text, 0, NULL);
+        json_auto_t *report = json_loads(text, 0, NULL);
         assert_non_null(report);
         assert_true(iso_power_is_finding(report) == cases[i].is_finding);
-        json_decref(report);
     }
-    json_t *clean = json_loads("{\"levels\": [{\"verdict\": \"agree\", \"simple_held\": false}]}", 0, NULL);
+    json_auto_t *clean = json_loads("{\"levels\": [{\"verdict\": \"agree\", \"simple_held\": false}]}", 0, NULL);
     assert_false(iso_power_is_finding(clean));
-    json_decref(clean);
 }
 
 TEST(a_pixel_that_is_no_number_is_rejected)

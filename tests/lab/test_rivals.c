@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The methods of the literature that `isoshade-lab levels` compares with, on fields for which each has an answer in
  * closed form. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "lab/level_methods.h"
 #include "lab/rivals/rivals.h"
 #include "render/sampler.h"
@@ -56,13 +52,12 @@ static iso_pyramid build(value_of value, size_t size)
 static double emit_at(rival_maker make, const iso_pyramid *p, const iso_tf_table *tf, iso_vec3 index, double color[3])
 {
     const iso_view view = {.shading = {.ambient = 1, .power = 1}, .tf = *tf};
-    iso_rival r = {0};
+    OWNED(iso_rival) r = {0};
     OWNED(iso_sampler) sampler;
     assert_ok(make(&(iso_level_subject){p, 1, tf, 1}, &r, &err));
     assert_ok(iso_sampler_create(&sampler, &p->levels[1], p->options.code, ISO_FROM_CODES, &err));
     const iso_emitter_place at = {&view, &sampler, index, {0, 0, 1}};
     const double extinction = r.emitter.emit(&r.emitter, &at, color);
-    iso_rival_destroy(&r);
     return extinction;
 }
 
@@ -235,7 +230,7 @@ TEST(a_ramp_is_shaded_by_its_gradient)
                            .light_count = 1,
                            .lights = {{.direction = light, .intensity = 1}},
                            .tf = tf};
-    iso_rival r = {0};
+    OWNED(iso_rival) r = {0};
     OWNED(iso_sampler) sampler;
     double color[3], rgbs[4];
     const iso_vec3 at = {4.2, 3.6, 4.4};
@@ -246,7 +241,6 @@ TEST(a_ramp_is_shaded_by_its_gradient)
     assert_within(extinction, rgbs[3], 1e-9);
     /* 3 bytes of a direction: .01 */
     assert_within(color[2], rgbs[3] * rgbs[2] * (0.3 + 0.7 * fabs(iso_dot(n, light))), 0.01);
-    iso_rival_destroy(&r);
 }
 
 TEST(fine_boxes_are_cut_by_the_volume)

@@ -5,10 +5,6 @@
 #include "tests/test.h"
 #include "tests/cycles.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "blender/blender.h"
 #include "lab/roi.h"
 #include "renderers/renderers.h"
@@ -119,10 +115,9 @@ static iso_roi_step measure_step(const iso_pyramid *p, size_t level, const iso_v
                                  double band)
 {
     OWNED(iso_roi) f = make_roi(p, level, &view->tf, band);
-    iso_roi_setup setup;
+    OWNED(iso_roi_setup) setup;
     assert_ok(iso_roi_setup_create(&setup, p, level, &f, &err));
     iso_roi_step step = iso_roi_measure_step(&setup, &f, around);
-    iso_roi_setup_destroy(&setup);
     return step;
 }
 
@@ -152,14 +147,13 @@ TEST(both_sides_are_equally_bright)
     OWNED(iso_tf_table) adapted = adapted_table(&p, 2, &view.tf);
     const iso_roi_options box = {.lo = {12, 15, 9}, .hi = {34, 45, 25}, .band = 2};
     OWNED(iso_roi) f;
-    iso_roi_setup setup;
+    OWNED(iso_roi_setup) setup;
     assert_ok(iso_roi_create(&p, 2, &view.tf, &box, &f, &err));
     assert_ok(iso_roi_setup_create(&setup, &p, 2, &f, &err));
     iso_roi_step own = iso_roi_measure_step(&setup, &f, &adapted), foreign = iso_roi_measure_step(&setup, &f, &view.tf);
     print_message("tone %.3g, original TF %.3g; rms %.3g, %.3g\n", own.tone, foreign.tone, own.change, foreign.change);
     assert_at_most(own.tone, 0.6 * foreign.tone); /* planted: a TF that is not the level's */
     assert_at_most(own.change, 0.8 * foreign.change);
-    iso_roi_setup_destroy(&setup);
 }
 
 static iso_image render(const iso_pyramid *p, size_t level, const iso_view *own, const iso_tf_table *tf, iso_roi *roi,
@@ -254,25 +248,23 @@ static void check_image(const iso_image *have, subject *s, const iso_render_opti
 
 TEST(the_ray_caster_blends_as_the_reference)
 {
-    subject s = open_subject();
+    ENDED_BY(close_subject) subject s = open_subject();
     iso_render_options gl = iso_render_defaults(&iso_renderer_gl),
                        reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_MIDPOINT;
     OWNED(iso_image) have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &gl);
     check_image(&have, &s, &reference, "gl", 2e-5, 1e-6); /* the same samples in float */
-    close_subject(&s);
 }
 
 TEST(povray_blends_as_the_reference)
 {
-    subject s = open_subject();
+    ENDED_BY(close_subject) subject s = open_subject();
     iso_render_options povray = iso_render_defaults(&iso_renderer_povray),
                        reference = iso_render_defaults(&iso_renderer_reference);
     reference.quadrature = ISO_QUADRATURE_POVRAY;
     povray.intervals = reference.intervals = 60;
     OWNED(iso_image) have = render(&s.pyramid, 1, &s.view, &s.adapted, &s.roi, &povray);
     check_image(&have, &s, &reference, "povray", 2e-5, 1e-5); /* 16 bits a channel */
-    close_subject(&s);
 }
 
 /* Cycles begins a new phase of its steps where a ray meets the second volume: an error of the first order in the step
@@ -282,7 +274,7 @@ TEST(cycles_blends_as_the_reference)
 {
     need_cycles();
     enum { seeds = 16 };
-    subject s = open_subject();
+    ENDED_BY(close_subject) subject s = open_subject();
     iso_render_options reference = iso_render_defaults(&iso_renderer_reference);
     iso_view view = s.view; /* lent */
     iso_blender_options frames[seeds];
@@ -305,13 +297,12 @@ TEST(cycles_blends_as_the_reference)
     check_image(&pictures[0], &s, &reference, "cycles, mean of 16", 1, 2e-4);
     for (int k = 0; k < seeds; ++k)
         iso_image_destroy(&pictures[k]);
-    close_subject(&s);
 }
 
 /* With both levels the same the region makes no difference: level 0's voxels given as the inside of level 0 doubled. */
 TEST(inside_the_box_nothing_but_the_finer_level_is_seen)
 {
-    subject s = open_subject();
+    ENDED_BY(close_subject) subject s = open_subject();
     iso_render_options reference = iso_render_defaults(&iso_renderer_reference), same = reference;
     reference.quadrature = ISO_QUADRATURE_MIDPOINT;
     reference.step_voxels = 0.5;
@@ -326,7 +317,6 @@ TEST(inside_the_box_nothing_but_the_finer_level_is_seen)
     iso_metrics m;
     assert_ok(iso_metrics_measure(&have, &want, &m, &err));
     assert_at_most(m.max_abs, 1e-6); /* indices are halved and doubled: rounding, and floats in the image */
-    close_subject(&s);
 }
 
 TEST_MAIN(NULL, end_renderers)

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* How shading across levels is measured: what has to be zero is, and what is wrong shows. */
-#include "tests/test.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/sampled.h"
 
 #include "base/random.h"
 #include "lab/shading_error.h"
@@ -31,12 +27,9 @@ static int drop_gl(void **state)
 
 static iso_pyramid pyramid_of(const iso_field *f)
 {
-    OWNED(iso_volume) v;
-    iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.keep_float = true;
-    assert_ok(iso_field_sample(f, ISO_F32, &v, &err));
-    assert_ok(iso_pyramid_build(&v, "test", &opt, &p, NULL, &err));
+    iso_pyramid p = sampled_pyramid(f, ISO_F32, &opt);
     return p;
 }
 

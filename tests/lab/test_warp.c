@@ -2,11 +2,6 @@
 /* The paper's transitions: continuous where it proves them to be, not everywhere; the corrected ones everywhere. */
 #include "tests/test.h"
 
-#include <math.h>
-#include <stdbool.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/random.h"
 #include "lab/warp.h"
 

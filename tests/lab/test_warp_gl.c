@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The paper's transitions in GLSL: what the CPU has from the same definition, and continuous where that is. */
-#include "tests/test.h"
+#include "tests/sampled.h"
 #include "tests/gl.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/random.h"
 #include "lab/warp_gl.h"
@@ -191,14 +187,11 @@ TEST(images_agree_with_the_reference_in_every_mode)
     iso_field kind = {.kind = ISO_FIELD_MARSCHNER_LOBB, .seed = 3};
     kind.geometry = iso_geometry_axis_aligned((size_t[]){40, 44, 33}, (double[]){1, 0.9, 1.3});
     iso_pyramid_options build = iso_pyramid_defaults();
-    OWNED(iso_volume) v;
-    OWNED(iso_pyramid) p;
     OWNED(iso_scene) scene;
     OWNED(iso_view) view;
     OWNED(iso_warp_field) f;
-    assert_ok(iso_field_sample(&kind, ISO_F32, &v, &err));
     build.level_count = 1;
-    assert_ok(iso_pyramid_build(&v, "field", &build, &p, NULL, &err));
+    OWNED(iso_pyramid) p = sampled_pyramid(&kind, ISO_F32, &build);
     const iso_level *level = &p.levels[0];
     assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &scene, &err));
     scene.width = 64, scene.height = 56;
