@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Runs the test programs of each build folder that is named, then the scripts once against the first folder, as many at
-# a time as there are cores, and ends with one line "N passed, N failed"; with ", N skipped" where this system cannot run
+# Runs the test programs of each build folder that is named, then the scripts once against the first folder, one more
+# at a time than there are cores, and ends with one line "N passed, N failed"; with ", N skipped" where this system cannot run
 # some, and before it a line for each reason. Test programs are cmocka's; scripts print "ok NAME", "not ok NAME: why" or
 # "ok NAME # SKIP why" a case.
 set -u
@@ -26,7 +26,8 @@ run_one() { # name, command ...: output and exit code into the logs; one line fo
         printf '%s\n' "$(grep -vE '^\[ RUN|^\[       OK|^ok ' "$log.out" | tail -n 60)"
     fi
 }
-slots=$(nproc)
+# One more than cores: some wait for a disk, a limit of time or another program.
+slots=$(($(nproc) + 1))
 start() {
     while [ "$(jobs -rp | wc -l)" -ge "$slots" ]; do wait -n; done
     run_one "$@" &
