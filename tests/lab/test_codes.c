@@ -2,10 +2,6 @@
 /* What codes are measured by: their holes, the best codes there are, the table of the paper. */
 #include "tests/test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/random.h"
 #include "encode/encode_kernel.h"
 #include "lab/codes/code_error.h"
