@@ -98,9 +98,8 @@ TEST(what_is_rounded_agrees_where_exact_lookups_do)
 /* A copy of the shaders with one line changed. */
 static void change_shaders(const char *dir, const char *old, const char *new)
 {
-    static const char *const names[] = {"raycast.glsl", "fullscreen.glsl", "probe.glsl",
-                                        "points.glsl",  "first_hit.glsl",  "held.glsl",
-                                        "roi.glsl",     "transition.glsl", "variants.h"};
+    static const char *const names[] = {"raycast.glsl",   "fullscreen.glsl", "probe.glsl", "points.glsl",
+                                        "first_hit.glsl", "held.glsl",       "roi.glsl",   "variants.h"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
         char path[256], *text, *changed;
         size_t count;
