@@ -15,14 +15,18 @@ MAKEFLAGS += -j$(shell nproc)
 endif
 
 # ---- Debian packages -------------------------------------------------------
-packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev zlib1g-dev \
-	libdeflate-dev libarchive-dev libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev libepoxy-dev libegl-dev \
-	libegl1 libgl1-mesa-dri libopenvdb-dev libnanovdb-dev libnanovdb-tools libboost-dev libcmocka-dev \
-	libopenmpi-dev openmpi-bin libinsighttoolkit5-dev libhdf5-dev libnetcdf-dev libblosc-dev liblz4-dev liblzma-dev libzstd-dev \
-	groff-base blender povray gnuplot-nox poppler-utils python3-openvdb python3-numpy mricron-data chromium \
-	teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel python3-astropy \
-	python3-vtk9 python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev cppcheck valgrind strace \
-	python3-openimageio openimageio-tools python3-png xvfb xauth
+# For the program and a first picture. Each library that is missing otherwise costs its own feature.
+packages := gcc g++ pkg-config libjansson-dev libpopt-dev libpng-dev libtiff-dev zlib1g-dev libdeflate-dev libarchive-dev \
+	libxxhash-dev libxml2-dev libteem-dev libnifti-dev libopenexr-dev liblz4-dev liblzma-dev mricron-data
+# For OpenGL, OpenVDB and the other renderers: make demo.
+demo_packages := $(packages) libepoxy-dev libegl-dev libegl1 libgl1-mesa-dri libopenvdb-dev libnanovdb-dev libboost-dev \
+	blender povray gnuplot-nox
+# For all formats and the tests: make check.
+check_packages := $(demo_packages) libnanovdb-tools libcmocka-dev libopenmpi-dev openmpi-bin libinsighttoolkit5-dev \
+	libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev groff-base poppler-utils python3-openvdb python3-numpy chromium \
+	teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel \
+	python3-astropy python3-vtk9 python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev \
+	cppcheck valgrind strace python3-openimageio openimageio-tools python3-png xvfb xauth
 
 # Folders that parse untrusted input.
 untrusted := base image volume
@@ -30,6 +34,7 @@ untrusted := base image volume
 # ---- compilers -------------------------------------------------------------
 CC := gcc
 CXX := g++
+OBJCOPY := objcopy
 warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Wno-psabi $(WERROR)
 flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off -fno-math-errno -fno-trapping-math
 # Check copies into buffers of known size at run time, in all that is installed. Not in the inner loops of these folders:
@@ -52,32 +57,40 @@ flags_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-r
 flags_coverage := -O1 -g --coverage
 # clang only: its OpenMP library reports its synchronization to the sanitizer; gcc's does not.
 flags_threads := -O1 -g -fsanitize=thread
+# Objects do not depend on the folder of the sources.
+any_folder := -ffile-prefix-map=$(CURDIR)=.
 # -fPIC is for the shared library. Its functions call each other directly: other libraries cannot replace them.
-flags := $(flags_$(config)) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
+flags := $(flags_$(config)) $(any_folder) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
 # Packages with a pkg-config file; teem, nifti and OpenVDB have none. libarchive's would require further packages when a
 # program is linked with libisoshade.a.
-library_pkgs := jansson libxml-2.0 libpng libtiff-4 zlib libdeflate OpenEXR Imath epoxy egl libxxhash
+PKG_CONFIG ?= pkg-config
+has_pkgs = $(shell $(PKG_CONFIG) --exists $(1) 2>/dev/null && echo yes)
+has_gl := $(call has_pkgs,epoxy egl)
+library_pkgs := jansson libxml-2.0 libpng libtiff-4 zlib libdeflate OpenEXR Imath libxxhash $(if $(has_gl),epoxy egl)
 pkgs := $(library_pkgs) popt
-pkg_cflags := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(pkgs) 2>/dev/null)) -isystem /usr/include/nifti
-pkg_libs := $(shell pkg-config --libs $(pkgs) 2>/dev/null)
-missing = $(error Debian packages are missing; install them with `make setup`)
-CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(if $(pkg_libs),$(pkg_cflags),$(missing))
+pkg_cflags := $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags $(pkgs) 2>/dev/null)) -isystem /usr/include/nifti
+pkg_libs := $(shell $(PKG_CONFIG) --libs $(pkgs) 2>/dev/null)
+unpackaged := teem/nrrd.h nifti/nifti1_io.h archive.h lz4.h lzma.h
+has_all := $(and $(pkg_libs),$(filter $(words $(unpackaged)),$(words $(wildcard $(unpackaged:%=/usr/include/%)))))
+missing = $(error Debian packages are missing; install them with `make setup`: $(shell sh tests/install-packages.sh --missing $(packages)))
+CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(if $(has_all),$(pkg_cflags),$(missing))
 CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(pkg_cflags)
 unpackaged_libs := -lteem -lniftiio -lznz -larchive -llz4 -llzma
 LDLIBS = $(unpackaged_libs) $(pkg_libs) -lstdc++ -lm
-openvdb_libs = -fopenmp -lopenvdb $(shell pkg-config --libs tbb Imath libdeflate)
+has_openvdb := $(and $(wildcard /usr/include/openvdb/openvdb.h),$(wildcard /usr/include/nanovdb/*),$(call has_pkgs,tbb))
+openvdb_libs := $(if $(has_openvdb),-fopenmp -lopenvdb $(shell $(PKG_CONFIG) --libs tbb Imath libdeflate))
 
 # ---- files -----------------------------------------------------------------
 # Other programs link with the library. Folders that only commands need go into a separate archive.
 command_folders := atlas bench chart cli figure options report validate
-all_c := $(filter-out src/base/mpi/%,$(wildcard src/*.c src/*/*.c src/*/*/*.c exporters/*/*.c))
+all_c := $(filter-out src/base/mpi/% $(if $(has_gl),src/render/no_gl.c,src/render/gl/%),$(wildcard src/*.c src/*/*.c src/*/*/*.c exporters/*/*.c))
 commands_c := $(filter $(command_folders:%=src/%/%),$(all_c))
 lab_c := $(filter src/lab/%,$(all_c))
 lib_c := $(filter-out $(commands_c) $(lab_c),$(all_c))
-# OpenVDB loads slowly, so code that uses it is loaded only to read or write grid files.
-openvdb_cc := $(wildcard exporters/vdb/*.cc)
+# OpenVDB loads slowly, so code that uses it is loaded only to read or write grid files; skipped if it is not installed.
+openvdb_cc := $(if $(has_openvdb),$(wildcard exporters/vdb/*.cc))
 openvdb_o := $(openvdb_cc:%.cc=$(build)/%.o)
-openvdb_library := $(build)/isoshade_openvdb.so
+openvdb_library := $(if $(has_openvdb),$(build)/isoshade_openvdb.so)
 lab_o := $(patsubst %.c,$(build)/%.o,$(filter-out src/lab/main.c,$(lab_c)))
 # OpenEXR's C library decodes some forms wrongly (src/image/exr_codec.h).
 lib_cc := $(wildcard src/image/*.cc)
@@ -98,7 +111,7 @@ soname := libisoshade.so.$(version_major)
 # No shared library with sanitizers: their runtime belongs to the program.
 shared := $(if $(filter sanitize,$(config)),,$(build)/$(soname))
 # Loaded when mpirun starts the program; skipped if MPI is not installed.
-mpi_library := $(if $(shell pkg-config --exists ompi-c 2>/dev/null && echo yes),$(build)/isoshade_mpi.so)
+mpi_library := $(if $(call has_pkgs,ompi-c),$(build)/isoshade_mpi.so)
 # Reads ITK's formats; skipped if ITK is not installed. The names of ITK's files contain its version.
 itk := $(notdir $(lastword $(sort $(wildcard /usr/include/ITK-*))))
 itk_program := $(if $(itk),$(build)/isoshade-itk)
@@ -106,9 +119,9 @@ itk_parts := Common IOImageBase IOPNG IOJPEG IOTIFF
 # Reads HDF5, netCDF, MINC and OME-Zarr.
 array_pkgs := hdf5-serial netcdf blosc liblz4 libzstd jansson zlib
 # HDF5's high-level library has its own pkg-config file since HDF5 2; earlier it is next to the main library.
-hdf5_hl := $(or $(shell pkg-config --libs hdf5_serial_hl 2>/dev/null),-lhdf5_hl)
-arrays_program := $(if $(shell pkg-config --exists $(array_pkgs) 2>/dev/null && echo yes),$(build)/isoshade-arrays)
-vdb_program := $(if $(wildcard src/volume/vdb/vdb_read.cc),$(build)/isoshade-vdb)
+hdf5_hl := $(or $(shell $(PKG_CONFIG) --libs hdf5_serial_hl 2>/dev/null),-lhdf5_hl)
+arrays_program := $(if $(call has_pkgs,$(array_pkgs)),$(build)/isoshade-arrays)
+vdb_program := $(if $(has_openvdb),$(build)/isoshade-vdb)
 reader_programs := $(itk_program) $(arrays_program) $(vdb_program)
 beside := $(openvdb_library) $(mpi_library) $(reader_programs)
 # The lab reads no untrusted input, and its tests compute for long: the sanitizers leave it out.
@@ -141,21 +154,26 @@ lab: all $(lab_program) ## build isoshade-lab, which reproduces papers and exper
 help: ## show this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' Makefile
 
-# ---- setup: a stamp file makes a second run do nothing ---------------------
-stamp := build/.packages-$(shell echo $(packages) | cksum | cut -d' ' -f1)
-setup: $(stamp) ## install the Debian packages that are missing
-$(stamp):
+# ---- setup: a stamp file per list makes a second run do nothing ------------
+setup_packages := $(packages)
+stamp = build/.packages-$(shell echo $($(1)_packages) | cksum | cut -d' ' -f1)
+setup: $(call stamp,setup) ## install the Debian packages for the program and a first picture
+setup-demo: $(call stamp,demo) ## ... and for OpenGL, OpenVDB, Blender and POV-Ray
+setup-check: $(call stamp,check) ## ... and for all formats and the tests
+$(foreach list,setup demo check,$(eval $(call stamp,$(list)): install_packages := $($(list)_packages)))
+build/.packages-%:
 	@mkdir -p build
-	@sh tests/install-packages.sh $(packages)
+	@sh tests/install-packages.sh $(install_packages)
 	@touch $@
+.PHONY: setup-demo setup-check
 
 again := $(MAKE) --no-print-directory -j$(shell nproc)
 
-# demo and check install missing packages, unless SETUP=no.
-needs_setup := $(if $(filter no,$(SETUP)),,setup)
+# demo, check and others install missing packages, unless SETUP=no.
+needs_setup := $(if $(filter no,$(SETUP)),,setup-check)
 
 # setup may install the compiler itself, so a second make does the work.
-demo: $(needs_setup) ## build, and validate a real volume: the main job
+demo: $(needs_setup:setup-check=setup-demo) ## build, and validate a real volume: the main job
 	@$(again) all
 	@sh refscenes/demo.sh
 
@@ -224,45 +242,47 @@ $(analyzed_in)/%.txt: %.c $(build)/%.o tests/analyze.sh tests/known.awk tests/an
 
 # ---- install ---------------------------------------------------------------
 PREFIX ?= /usr/local
+# Debian's packages have lib/x86_64-linux-gnu: libraries, and the modules and programs that isoshade loads and starts.
+libdir ?= lib
 to := $(DESTDIR)$(PREFIX)
 renderers := tests/peers/vtk.json tests/peers/render_vtk.py tests/peers/exr.py
 # Where Python searches: Debian's packages, /usr/local, and virtual environments or ~/.local.
 python_version := $(shell python3 -c 'import sys; print("python%d.%d" % sys.version_info[:2])' 2>/dev/null)
 python_dir := lib/$(if $(filter /usr,$(PREFIX)),python3/dist-packages,$(python_version)/$(if $(filter /usr/local,$(PREFIX)),dist,site)-packages)/isoshade
 python_files := $(wildcard python/isoshade/*.py python/isoshade/py.typed)
-installed := bin/isoshade lib/isoshade/isoshade_openvdb.so lib/isoshade/isoshade_mpi.so lib/isoshade/isoshade-itk lib/isoshade/isoshade-arrays lib/isoshade/isoshade-vdb \
-	include/isoshade.h lib/libisoshade.a lib/libisoshade.so.$(version) \
-	lib/$(soname) lib/libisoshade.so lib/pkgconfig/isoshade.pc share/man/man1/isoshade.1 \
+installed := bin/isoshade $(addprefix $(libdir)/isoshade/,isoshade_openvdb.so isoshade_mpi.so isoshade-itk isoshade-arrays isoshade-vdb) \
+	include/isoshade.h $(libdir)/libisoshade.a $(libdir)/libisoshade.so.$(version) \
+	$(libdir)/$(soname) $(libdir)/libisoshade.so $(libdir)/pkgconfig/isoshade.pc share/man/man1/isoshade.1 \
 	share/bash-completion/completions/isoshade share/zsh/site-functions/_isoshade share/doc/isoshade/LICENSE \
-	share/doc/isoshade/COPYING \
-	$(addprefix $(python_dir)/,$(notdir $(python_files))) share/isoshade/isoshade-blender-addon.zip $(addprefix share/isoshade/renderers/,$(notdir $(renderers)))
+	share/doc/isoshade/COPYING $(addprefix share/isoshade/renderers/,$(notdir $(renderers)))
+# With Python only: its package, and the add-on, which Python packs.
+with_python := $(addprefix $(python_dir)/,$(notdir $(python_files))) share/isoshade/isoshade-blender-addon.zip
 
-install: all $(addon) $(archive) ## install program, library, manual page and completions under PREFIX
+install: all $(archive) $(if $(python_version),$(addon)) ## install program, library, manual page and completions under PREFIX
 	@install -d $(addprefix $(to)/,$(sort $(dir $(installed))))
 	install -m 755 $(program) $(to)/bin/isoshade
-	install -m 644 $(openvdb_library) $(to)/lib/isoshade/
-	$(if $(mpi_library),install -m 644 $(mpi_library) $(to)/lib/isoshade/)
-	install -m 755 $(itk_program) $(arrays_program) $(vdb_program) $(to)/lib/isoshade/
+	$(if $(openvdb_library)$(mpi_library),install -m 644 $(openvdb_library) $(mpi_library) $(to)/$(libdir)/isoshade/)
+	$(if $(reader_programs),install -m 755 $(reader_programs) $(to)/$(libdir)/isoshade/)
 	install -m 644 src/isoshade.h $(to)/include/
-	install -m 644 $(archive) $(to)/lib/libisoshade.a
-	install -m 644 $(shared) $(to)/lib/libisoshade.so.$(version)
-	ln -sf libisoshade.so.$(version) $(to)/lib/$(soname)
-	ln -sf $(soname) $(to)/lib/libisoshade.so
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(version)|' \
-		-e 's|@LIBS@|$(unpackaged_libs) -lopenvdb $(shell pkg-config --libs $(library_pkgs) tbb)|' \
-		src/isoshade.pc.in >$(to)/lib/pkgconfig/isoshade.pc
+	install -m 644 $(archive) $(to)/$(libdir)/libisoshade.a
+	install -m 644 $(shared) $(to)/$(libdir)/libisoshade.so.$(version)
+	ln -sf libisoshade.so.$(version) $(to)/$(libdir)/$(soname)
+	ln -sf $(soname) $(to)/$(libdir)/libisoshade.so
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIBDIR@|$(libdir)|' -e 's|@VERSION@|$(version)|' \
+		-e 's|@LIBS@|$(unpackaged_libs) $(if $(has_openvdb),-lopenvdb) $(shell $(PKG_CONFIG) --libs $(library_pkgs) $(if $(has_openvdb),tbb))|' \
+		src/isoshade.pc.in >$(to)/$(libdir)/pkgconfig/isoshade.pc
 	$(program) help --man >$(to)/share/man/man1/isoshade.1
 	$(program) completion bash >$(to)/share/bash-completion/completions/isoshade
 	$(program) completion zsh >$(to)/share/zsh/site-functions/_isoshade
 	install -m 644 LICENSE exporters/blender/COPYING $(to)/share/doc/isoshade/
-	install -m 644 $(addon) $(to)/share/isoshade/
 	install -m 644 $(renderers) $(to)/share/isoshade/renderers/
-	install -m 644 $(python_files) $(to)/$(python_dir)/
+	$(if $(python_version),install -d $(to)/$(python_dir) && install -m 644 $(python_files) $(to)/$(python_dir)/ && \
+		install -m 644 $(addon) $(to)/share/isoshade/)
 
 uninstall: ## remove installed files
-	rm -f $(addprefix $(to)/,$(installed))
+	rm -f $(addprefix $(to)/,$(installed) $(with_python))
 	@rm -rf $(to)/$(python_dir)/__pycache__
-	@rmdir $(to)/$(python_dir) $(to)/lib/isoshade $(to)/share/doc/isoshade $(to)/share/isoshade/renderers $(to)/share/isoshade 2>/dev/null || true
+	@rmdir $(to)/$(python_dir) $(to)/$(libdir)/isoshade $(to)/share/doc/isoshade $(to)/share/isoshade/renderers $(to)/share/isoshade 2>/dev/null || true
 .PHONY: install uninstall
 
 format: ## format the C and C++ files by .clang-format
@@ -285,44 +305,44 @@ $(program): $(build)/src/cli/main.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) $(link_$(config)) -fopenmp -o $@ $(filter %.o %.a,$^) $(LDLIBS)
 $(lab_program): $(build)/src/lab/main.o $(lab_o) $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $(filter %.o %.a,$^) $(LDLIBS)
-$(lib): $(lib_o) $(openvdb_o)
+$(lib): $(lib_o) $(openvdb_o) $(build)/parts
 	@rm -f $@
-	$(call say,AR )ar rcs $@ $^
+	$(call say,AR )$(AR) rcs $@ $(filter %.o,$^)
 $(commands): $(commands_o)
 	@rm -f $@
-	$(call say,AR )ar rcs $@ $^
+	$(call say,AR )$(AR) rcs $@ $^
 # The shared library exports only the functions of its header.
 $(build)/exports.map: src/isoshade.h Makefile
 	@mkdir -p $(@D)
 	@{ echo 'ISOSHADE_$(version_major).$(call version_of,MINOR) { global:'; grep -oE '\<iso_[a-z0-9_]+\(' $< | sort -u | tr '(' ';'; echo 'local: *; };'; } >$@
-$(build)/$(soname): $(lib_o) $(build)/exports.map
+$(build)/$(soname): $(lib_o) $(build)/exports.map $(build)/parts
 	$(call say,LD )$(CC) -shared $(flags_$(config)) -Wl,-z,relro,-z,now -fopenmp -Wl,-soname,$(soname) -Wl,--version-script=$(build)/exports.map -Wl,-z,defs -o $@ $(lib_o) $(filter-out -lpopt,$(LDLIBS))
 # The archive that is installed: one object, whose internal names are not visible to programs that link with it.
 $(archive): $(lib) $(build)/exports.map
 	@mkdir -p $(@D)
 	@{ sed -n 's/;$$//p' $(build)/exports.map | grep -o 'iso_[a-z0-9_]*'; } >$(build)/exports
-	$(call say,LD )ld -r -o $(build)/whole.o --whole-archive $(lib)
-	@objcopy --keep-global-symbols=$(build)/exports $(build)/whole.o
-	@rm -f $@ && ar rcs $@ $(build)/whole.o && rm $(build)/whole.o
-$(openvdb_library): $(openvdb_o)
+	$(call say,LD )$(LD) -r -o $(build)/whole.o --whole-archive $(lib)
+	@$(OBJCOPY) --keep-global-symbols=$(build)/exports $(build)/whole.o
+	@rm -f $@ && $(AR) rcs $@ $(build)/whole.o && rm $(build)/whole.o
+$(build)/isoshade_openvdb.so: $(openvdb_o)
 	$(call say,VDB)$(CXX) -shared $(flags_$(config)) -Wl,-z,relro,-z,now -o $@ $^ $(openvdb_libs)
 $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 	@mkdir -p $(@D)
-	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 $(fortified) -g -Isrc $(patsubst -I%,-isystem %,$(shell pkg-config --cflags ompi-c)) -shared -fPIC -o $@ $< $(shell pkg-config --libs ompi-c)
+	$(call say,MPI)$(CC) -std=c11 $(warnings) -O2 $(fortified) -g $(any_folder) -Isrc $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags ompi-c)) -shared -fPIC -Wl,-z,relro,-z,now -o $@ $< $(shell $(PKG_CONFIG) --libs ompi-c)
 # Reader programs: their own files and a shared main(), which fuzzing leaves out. All configs share the objects. ITK's
 # headers refuse some compilers.
 READER_CXX ?= $(CXX)
 readers_in := build/readers
 child_main := src/volume/child_main.cc
-child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 $(fortified) -g -MMD -MP -Isrc -fPIE
+child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 $(fortified) -g $(any_folder) -MMD -MP -Isrc -fPIE
 itk_cc := $(wildcard src/volume/itk/*.cc)
 arrays_cc := $(wildcard src/volume/arrays/*.cc)
 vdb_cc := $(wildcard src/volume/vdb/*.cc)
 itk_flags := -isystem /usr/include/$(itk) $(addprefix -isystem ,$(lastword $(wildcard /usr/include/gdcm-*)))
-arrays_flags = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(array_pkgs)))
+arrays_flags = $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags $(array_pkgs)))
 vdb_flags = $(pkg_cflags)
 itk_libs := $(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmMSFF -lgdcmDSED -lgdcmCommon -lz
-arrays_libs = $(shell pkg-config --libs $(array_pkgs)) $(hdf5_hl)
+arrays_libs = $(shell $(PKG_CONFIG) --libs $(array_pkgs)) $(hdf5_hl)
 vdb_libs = $(openvdb_libs)
 # A reader that is linked into a fuzzing program gets the config's own flags, unless the config is release.
 fuzzed_in := $(if $(filter release,$(config)),$(readers_in),$(build)/readers)
@@ -365,12 +385,16 @@ $(libfuzzer): $(libfuzzer_c:%.c=$(build)/%.o) $(commands) $(lib) | $(reader_prog
 $(threads_program): $(build)/tests/threads/threads.o $(lib_o)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 # Objects are rebuilt when their flags change.
-$(build)/flags: FORCE
+$(build)/flags: noted = $(flags)
+$(readers_in)/flags: noted = $(filter-out $(WERROR),$(child_flags))
+$(build)/fortified: noted = $(fortified)
+# So are the library, when its parts change, and the object that knows the folder of the modules.
+$(build)/parts: noted = $(lib_o) $(openvdb_o)
+$(build)/libdir: noted = $(libdir)
+notes := $(build)/flags $(readers_in)/flags $(build)/fortified $(build)/parts $(build)/libdir
+$(notes): FORCE
 	@mkdir -p $(@D)
-	@echo '$(flags)' | cmp -s - $@ || echo '$(flags)' >$@
-$(readers_in)/flags: FORCE
-	@mkdir -p $(@D)
-	@echo '$(filter-out $(WERROR),$(child_flags))' | cmp -s - $@ || echo '$(filter-out $(WERROR),$(child_flags))' >$@
+	@echo '$(noted)' | cmp -s - $@ || echo '$(noted)' >$@
 .PHONY: FORCE
 $(build)/%.o: %.c $(build)/flags
 	@mkdir -p $(@D)
@@ -387,9 +411,8 @@ fortified_o := $(if $(filter release,$(config)),$(filter-out $(inner_loops:%=$(b
 $(fortified_o): CFLAGS += $(fortified)
 $(fortified_o): CXXFLAGS += $(fortified)
 $(fortified_o): $(build)/fortified
-$(build)/fortified: FORCE
-	@mkdir -p $(@D)
-	@echo '$(fortified)' | cmp -s - $@ || echo '$(fortified)' >$@
+$(build)/src/base/helper.o: CFLAGS += -DISO_LIBDIR='"../$(libdir)/isoshade"'
+$(build)/src/base/helper.o: $(build)/libdir
 # Objects that embed text files (base/embed.h) depend on them.
 embedders := $(shell grep -ls '^ISO_EMBED' $(all_c))
 $(embedders:%.c=$(build)/%.o): $(embedded)

@@ -11,7 +11,7 @@
 /* Finds the file near the folder of `file`. NULL if no candidate exists. */
 static char *find_near(const char *file, const char *name)
 {
-    static const char *const places[] = {".", "../lib/isoshade", "isoshade", ".."};
+    static const char *const places[] = {".", ISO_LIBDIR, "isoshade", ".."};
     char *dir = iso_path_dir(file), *found = NULL;
     for (size_t i = 0; dir && i < sizeof places / sizeof *places && !found; ++i) {
         char *folder = iso_path_join(dir, places[i]);
