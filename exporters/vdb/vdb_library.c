@@ -10,6 +10,8 @@
 #include "vdb/vdb_file.h"
 
 static const char file_name[] = "isoshade_openvdb.so";
+static const char missing[] =
+    "built without OpenVDB; install the Debian packages libopenvdb-dev and libnanovdb-dev, and build again";
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static const iso_openvdb *loaded;
 static char why[sizeof((iso_error *)0)->text]; /* reason why it cannot be loaded */
@@ -28,7 +30,7 @@ static void load(void)
     loaded = library ? dlsym(library, ISO_OPENVDB_SYMBOL) : NULL;
     if (!loaded) {
         const char *reason = path ? dlerror() : NULL;
-        strncpy(why, reason ? reason : "it is not in the program's folder", sizeof why - 1);
+        strncpy(why, reason ? reason : missing, sizeof why - 1);
     }
     free(path);
 }

@@ -37,8 +37,8 @@ static void *load_library(iso_error *err)
     char *path = iso_helper_find("isoshade_mpi.so");
     void *library = path ? dlopen(path, RTLD_NOW | RTLD_GLOBAL) : NULL;
     if (!library)
-        iso_fail(err, ISO_E_MISSING, "started by mpirun, but MPI cannot be loaded (built without libopenmpi-dev?): %s",
-                 path ? dlerror() : "isoshade_mpi.so is missing");
+        iso_fail(err, ISO_E_MISSING, "started by mpirun, but MPI cannot be loaded: %s",
+                 path ? dlerror() : "built without; install the Debian package libopenmpi-dev, and build again");
     free(path);
     return library;
 }

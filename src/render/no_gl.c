@@ -44,7 +44,8 @@ void iso_gl_destroy(iso_gl *gl)
 
 iso_gl_info iso_gl_describe(const iso_gl *gl)
 {
-    return (iso_gl_info){{0}};
+    static const iso_gl_info none;
+    return none;
 }
 
 double iso_gl_device_seconds(const iso_gl *gl)
