@@ -261,8 +261,8 @@ with_python := $(addprefix $(python_dir)/,$(notdir $(python_files))) share/isosh
 install: all $(archive) $(if $(python_version),$(addon)) ## install program, library, manual page and completions under PREFIX
 	@install -d $(addprefix $(to)/,$(sort $(dir $(installed))))
 	install -m 755 $(program) $(to)/bin/isoshade
-	$(if $(openvdb_library)$(mpi_library),install -m 644 $(openvdb_library) $(mpi_library) $(to)/$(libdir)/isoshade/)
-	$(if $(reader_programs),install -m 755 $(reader_programs) $(to)/$(libdir)/isoshade/)
+	$(if $(strip $(openvdb_library) $(mpi_library)),install -m 644 $(openvdb_library) $(mpi_library) $(to)/$(libdir)/isoshade/)
+	$(if $(strip $(reader_programs)),install -m 755 $(reader_programs) $(to)/$(libdir)/isoshade/)
 	install -m 644 src/isoshade.h $(to)/include/
 	install -m 644 $(archive) $(to)/$(libdir)/libisoshade.a
 	install -m 644 $(shared) $(to)/$(libdir)/libisoshade.so.$(version)

@@ -44,7 +44,7 @@ inside() { # ROOT TARGET SCENES
             apt-get update -qq
             apt-get install -y -qq --no-install-recommends make git >/dev/null
             cd /root/isoshade
-            make setup # by a make of its own: the next one looks for what this one installs
+            make setup-check # by a make of its own: the next one looks for what this one installs
             make $1
             if [ "$2" = yes ]; then bash tests/elsewhere.sh --cycles; fi
             version() { dpkg-query -W -f "\${source:Upstream-Version}" "$1" 2>/dev/null || echo none; }

@@ -164,8 +164,8 @@ static iso_status start_reader(iso_volume_source *source, const iso_child_progra
     const char *const words[] = {program, source->path, part ? part : "", frame, channel, uneven, NULL};
     iso_status status = !r         ? iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path)
                         : !program ? iso_fail(err, ISO_E_MISSING,
-                                              "%s: files of this kind are read by %s, which is missing; install the Debian "
-                                              "package %s, and build again",
+                                              "%s: files of this kind are read by %s, which is missing; install %s of "
+                                              "Debian, and build again",
                                               source->path, p->name, p->package)
                                    : iso_child_start(&r->process, words, err);
     free(program);
