@@ -182,6 +182,20 @@ check: $(needs_setup) ## build and run all tests, also with sanitizers
 	@$(again) config=sanitize WERROR=-Werror all tests
 	@bash tests/run.sh build/release build/sanitize
 
+# Debian packages, from a copy of the sources: dpkg-buildpackage writes next to its folder.
+deb_folder := build/deb/isoshade-$(version)
+deb: ## build Debian packages in build/deb
+	@command -v dh dh_python3 dpkg-buildpackage >/dev/null || { echo "make deb needs the Debian packages build-essential, debhelper and dh-python" >&2; exit 1; }
+	@rm -rf build/deb && mkdir -p $(deb_folder)
+	@tar -c --exclude=./build --exclude-vcs . | tar -x -C $(deb_folder)
+	cd $(deb_folder) && unset MAKEFLAGS MFLAGS && dpkg-buildpackage -b -us -uc
+	@rm -r $(deb_folder)
+wheel: all ## build a Python wheel with the library in build/wheel; other libraries stay Debian's
+	@python3 python/wheel.py $(shared) build/wheel
+sbom: all ## write build/isoshade.spdx.json: the Debian packages of the libraries that the built files load
+	@python3 tests/sbom.py $(version) build/isoshade.spdx.json $(program) $(shared) $(beside)
+.PHONY: deb wheel sbom
+
 # The Blender add-on: one zip, for 3.4 (bl_info) and for 4.2 and later (blender_manifest.toml).
 addon := $(build)/isoshade-blender-addon.zip
 addon: $(addon) ## pack the Blender add-on as a zip
@@ -385,8 +399,8 @@ $(libfuzzer): $(libfuzzer_c:%.c=$(build)/%.o) $(commands) $(lib) | $(reader_prog
 $(threads_program): $(build)/tests/threads/threads.o $(lib_o)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 # Objects are rebuilt when their flags change.
-$(build)/flags: noted = $(flags)
-$(readers_in)/flags: noted = $(filter-out $(WERROR),$(child_flags))
+$(build)/flags: noted = $(filter-out $(any_folder),$(flags))
+$(readers_in)/flags: noted = $(filter-out $(WERROR) $(any_folder),$(child_flags))
 $(build)/fortified: noted = $(fortified)
 # So are the library, when its parts change, and the object that knows the folder of the modules.
 $(build)/parts: noted = $(lib_o) $(openvdb_o)
