@@ -13,7 +13,7 @@ cp -a build/release/{src,exporters,flags,fortified,parts,libdir,exports.map} "$t
 cd "$there/build" || exit 1
 # In C, with an embedded text, with flags of its own, and in C++; those of the programs that read files.
 some=(release/src/cli/main.o release/src/base/helper.o release/src/chart/page.o release/src/render/cpu/cast_avx2.o
-    release/src/image/exr_codec.o release/exporters/vdb/vdb_openvdb.o readers/src/volume/child_main.o)
+    release/src/image/exr_codec.o readers/src/volume/child_main.o)
 remove() { for object in "${some[@]}"; do rm -f "$object"; done; }
 same() { # every file of a list is there, and equal
     local file count=0
