@@ -5,6 +5,7 @@
 #   WERROR=-Werror      warnings stop the build, as in make check
 #   PREFIX=/usr/local   folder for make install; packagers set DESTDIR=, which is put before it
 #   SETUP=no            make demo and make check install no packages
+#   REPRODUCIBLE=yes    equal bits from each folder of the sources, for packages
 
 config ?= release
 build := build/$(config)
@@ -57,10 +58,9 @@ flags_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-r
 flags_coverage := -O1 -g --coverage
 # clang only: its OpenMP library reports its synchronization to the sanitizer; gcc's does not.
 flags_threads := -O1 -g -fsanitize=thread
-# Objects do not depend on the folder of the sources.
-any_folder := -ffile-prefix-map=$(CURDIR)=.
 # -fPIC is for the shared library. Its functions call each other directly: other libraries cannot replace them.
-flags := $(flags_$(config)) $(any_folder) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
+flags := $(flags_$(config)) -fPIC -fno-semantic-interposition -fopenmp -MMD -MP -Isrc -Iexporters -I.
+any_folder := $(if $(REPRODUCIBLE),-ffile-prefix-map=$(CURDIR)=.)
 # Packages with a pkg-config file; teem, nifti and OpenVDB have none. libarchive's would require further packages when a
 # program is linked with libisoshade.a.
 PKG_CONFIG ?= pkg-config
@@ -73,8 +73,8 @@ pkg_libs := $(shell $(PKG_CONFIG) --libs $(pkgs) 2>/dev/null)
 unpackaged := teem/nrrd.h nifti/nifti1_io.h archive.h lz4.h lzma.h
 has_all := $(and $(pkg_libs),$(filter $(words $(unpackaged)),$(words $(wildcard $(unpackaged:%=/usr/include/%)))))
 missing = $(error Debian packages are missing; install them with `make setup`: $(shell sh tests/install-packages.sh --missing $(packages)))
-CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(if $(has_all),$(pkg_cflags),$(missing))
-CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(pkg_cflags)
+CFLAGS = -std=c11 $(warnings) -Wstrict-prototypes -Wmissing-prototypes $(flags) $(any_folder) $(if $(has_all),$(pkg_cflags),$(missing))
+CXXFLAGS = -std=c++17 -Wall -Wextra $(WERROR) $(flags) $(any_folder) $(pkg_cflags)
 unpackaged_libs := -lteem -lniftiio -lznz -larchive -llz4 -llzma
 LDLIBS = $(unpackaged_libs) $(pkg_libs) -lstdc++ -lm
 has_openvdb := $(and $(wildcard /usr/include/openvdb/openvdb.h),$(wildcard /usr/include/nanovdb/*),$(call has_pkgs,tbb))
@@ -147,9 +147,11 @@ embedded := src/lab/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl
 all: $(program) $(shared) $(beside) ## build the program (config=debug and others: see the head of the Makefile)
 	@[ "$$(readlink isoshade)" = $(program) ] || ln -sfn $(program) isoshade
 
-lab: all $(lab_program) ## build isoshade-lab, which reproduces papers and experiments
+lab: $(if $(has_gl),all $(lab_program),no-lab) ## build isoshade-lab, which reproduces papers and experiments
 	@[ "$$(readlink isoshade-lab)" = $(lab_program) ] || ln -sfn $(lab_program) isoshade-lab
-.PHONY: lab
+no-lab:
+	@echo 'isoshade-lab needs OpenGL: install the Debian packages libepoxy-dev and libegl-dev' >&2; exit 1
+.PHONY: lab no-lab
 
 help: ## show this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' Makefile
@@ -348,7 +350,7 @@ $(build)/isoshade_mpi.so: src/base/mpi/ranks_mpi.c src/base/ranks_interface.h
 READER_CXX ?= $(CXX)
 readers_in := build/readers
 child_main := src/volume/child_main.cc
-child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 $(fortified) -g $(any_folder) -MMD -MP -Isrc -fPIE
+child_flags := -std=c++17 -Wall -Wextra $(WERROR) -O2 $(fortified) -g -MMD -MP -Isrc -fPIE
 itk_cc := $(wildcard src/volume/itk/*.cc)
 arrays_cc := $(wildcard src/volume/arrays/*.cc)
 vdb_cc := $(wildcard src/volume/vdb/*.cc)
@@ -362,7 +364,7 @@ vdb_libs = $(openvdb_libs)
 fuzzed_in := $(if $(filter release,$(config)),$(readers_in),$(build)/readers)
 $(readers_in)/%.o: %.cc $(readers_in)/flags
 	@mkdir -p $(@D)
-	$(call say,CXX)$(READER_CXX) $(child_flags) $($(notdir $(<D))_flags) -c -o $@ $<
+	$(call say,CXX)$(READER_CXX) $(child_flags) $(any_folder) $($(notdir $(<D))_flags) -c -o $@ $<
 $(build)/readers/%.o: %.cc $(build)/flags
 	@mkdir -p $(@D)
 	$(call say,CXX)$(CXX) $(CXXFLAGS) $($(notdir $(<D))_flags) -c -o $@ $<
@@ -399,8 +401,8 @@ $(libfuzzer): $(libfuzzer_c:%.c=$(build)/%.o) $(commands) $(lib) | $(reader_prog
 $(threads_program): $(build)/tests/threads/threads.o $(lib_o)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 # Objects are rebuilt when their flags change.
-$(build)/flags: noted = $(filter-out $(any_folder),$(flags))
-$(readers_in)/flags: noted = $(filter-out $(WERROR) $(any_folder),$(child_flags))
+$(build)/flags: noted = $(flags)
+$(readers_in)/flags: noted = $(filter-out $(WERROR),$(child_flags))
 $(build)/fortified: noted = $(fortified)
 # So are the library, when its parts change, and the object that knows the folder of the modules.
 $(build)/parts: noted = $(lib_o) $(openvdb_o)

@@ -5,7 +5,6 @@
 
 #include "render/gl/bricks_gl.h"
 #include "render/gl/raycaster.h"
-#include "render/gl/warp_gl.h"
 
 #pragma GCC diagnostic ignored "-Wunused-parameter" /* no function needs its arguments */
 
@@ -76,19 +75,6 @@ iso_gl_brick_options iso_gl_brick_defaults(void)
 iso_status iso_gl_render_bricks(iso_gl *gl, const iso_brick_field *field, const iso_view *view,
                                 const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
                                 iso_error *err)
-{
-    return refuse(err);
-}
-
-iso_status iso_gl_render_warp(iso_gl *gl, const iso_gl_warp *warp, const iso_view *view,
-                              const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
-                              iso_error *err)
-{
-    return refuse(err);
-}
-
-iso_status iso_gl_sample_warp(iso_gl *gl, const iso_gl_warp *warp, const double *places, size_t count, float *out,
-                              iso_error *err)
 {
     return refuse(err);
 }
