@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* no_gl.c - the ray caster's interface without OpenGL: built instead of render/gl if libepoxy-dev is missing. No context
- * can be created, so no other function gets one. */
+/* no_gl.c - the interface of the ray caster without OpenGL: built instead of render/gl if libepoxy-dev is missing. No
+ * context can be created, so no other function gets one. */
 #include <math.h>
 
 #include "render/gl/bricks_gl.h"
