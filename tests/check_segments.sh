@@ -112,7 +112,9 @@ refuse no_plan_of_them 2 'is a label map, which a plan would interpolate' "$ISOS
 refuse nor_a_bound 2 'is a label map, which the bound would interpolate' "$ISOSHADE" tf bound flat.seg.nrrd --scene "$scene" --size 16
 
 # Layers of segments that overlap.
-refuse a_layer_has_to_be_chosen 2 "has 2 layers of segments, which overlap; --frame chooses one by number or by a segment's name: 0 (Head, Eye), 1 (Mass)" "$ISOSHADE" info layers.seg.nrrd
+refuse a_layer_has_to_be_chosen 2 "has 2 layers of segments, which overlap; --frame chooses one by number or by a segment's name: 0 (Head, Eye), 1 (Mass)" "$ISOSHADE" build layers.seg.nrrd -o x.iso
+expect info_shows_the_first 0 "$ISOSHADE" info layers.seg.nrrd
+check and_the_option_that_chooses says 'frames     2, this is 0 (from 0); --frame K chooses another'
 refuse one_that_there_is 2 '--frame is "Foot", there are 2 layers of segments: 0 (Head, Eye), 1 (Mass)' "$ISOSHADE" info layers.seg.nrrd --frame Foot
 expect by_name 0 "$ISOSHADE" info layers.seg.nrrd --frame eye
 check with_its_segments_alone says 'label      2: Eye, color #ffff00'

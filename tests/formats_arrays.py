@@ -9,8 +9,8 @@ import subprocess
 
 import numpy as np
 
-from phantom import (FILES, FIRST, SIZE, SPACING, STEPS, case, cut, expect, load, phantom, refused, run, same,
-                     vtk_image, vtk_write)
+from phantom import (FILES, FIRST, SIZE, SPACING, STEPS, case, cut, expect, load, must_choose, phantom, refused, run,
+                     same, vtk_image, vtk_write)
 
 
 # ---- Gaussian cube and XSF by ASE (formats/make.py) ----
@@ -172,8 +172,8 @@ def imaris():
     where = (np.diag(SPACING) / 1000, FIRST / 1000, False)
     same("phantom.ims", values, *where, ["--frame", "0", "--channel", "0"], unit="um")
     same("phantom.ims", values + 3, *where, ["--frame", "1", "--channel", "gfp"])
-    refused("phantom.ims", 2, "has 2 frames (30 s apart)", ["--channel", "0"])
-    refused("phantom.ims", 2, "chooses one of them: 0 DAPI, 1 GFP", ["--frame", "0"])
+    must_choose("phantom.ims", "has 2 frames (30 s apart)", ["--channel", "0"])
+    must_choose("phantom.ims", "chooses one of them: 0 DAPI, 1 GFP", ["--frame", "0"])
     expect(load("phantom.ims:DataSet/ResolutionLevel 1/TimePoint 0/Channel 1/Data")[0].shape == (4, 7, 6), "its second level")
     cut("phantom.ims", "cut.ims", 0.8)
     refused("cut.ims", 4, "cut.ims: ", ["--frame", "0", "--channel", "0"])
@@ -286,7 +286,7 @@ def minc():
         both.tofile("minc4.raw")
         subprocess.run(["rawtominc", "-clobber", *version, "-signed", "-short", "-oshort", "-osigned", "-scan_range", *steps,
                         "-input", "minc4.raw", "times.mnc", "2", "7", "13", "11"], check=True, stdout=subprocess.DEVNULL)
-        refused("times.mnc", 2, "has 2 frames")
+        must_choose("times.mnc", "has 2 frames")
         for k in range(2):
             got = load("times.mnc", ["--frame", str(k)])[0]
             expect(np.abs(got - both[k]).max() < 0.2, f"frame {k}: off by {np.abs(got - both[k]).max()}")
@@ -295,7 +295,7 @@ def minc():
         subprocess.run(["rawtominc", "-clobber", *version, "-signed", "-short", "-oshort", "-osigned", "-range", "-32768", "32767",
                         "-real_range", "-32768", "32767", *steps, "-vector", "2", "-input", "minc4.raw", "vector.mnc", "7", "13",
                         "11"], check=True, stdout=subprocess.DEVNULL)
-        refused("vector.mnc", 2, "has 2 channels a voxel")
+        must_choose("vector.mnc", "has 2 channels a voxel")
         same("vector.mnc", both[1], options=["--channel", "1"], tolerance=1e-4)
 
 
@@ -350,7 +350,7 @@ def ome_zarr():
     zarr_array(group, "0", np.stack([values, values + 1]))
     group.attrs["multiscales"] = [{"version": "0.4", "axes": [{"name": "t", "type": "time"}, *axes[1:]],
                                    "datasets": [{"path": "0", "coordinateTransformations": scale}]}]
-    refused("times.zarr", 2, "has 2 frames; --frame K chooses one, from 0 to 1")
+    must_choose("times.zarr", "has 2 frames; --frame K chooses one, from 0 to 1")
     same("times.zarr", values + 1, np.diag(SPACING) / 1000, FIRST / 1000, False, ["--frame", "1"])
     group = zarr_group("colors.zarr")
     zarr_array(group, "0", np.stack([np.stack([values + 2 * t + c for c in (0, 1)]) for t in (0, 1, 2)]))
@@ -358,7 +358,7 @@ def ome_zarr():
                                    "datasets": [{"path": "0", "coordinateTransformations": [
                                        {"type": "scale", "scale": [1, 1, *SPACING[::-1]]}]}]}]
     group.attrs["omero"] = {"channels": [{"label": "DAPI"}, {"label": "GFP"}]}
-    refused("colors.zarr", 2, "has 2 channels a voxel; --channel chooses one of them: 0 DAPI, 1 GFP", ["--frame", "2"])
+    must_choose("colors.zarr", "has 2 channels a voxel; --channel chooses one of them: 0 DAPI, 1 GFP", ["--frame", "2"])
     same("colors.zarr", values + 5, np.diag(SPACING) / 1000, np.zeros(3), False, ["--frame", "2", "--channel", "gfp"])
     os.makedirs("new.zarr/0", exist_ok=True)  # OME-Zarr 0.5, which is of Zarr 3
     with open("new.zarr/zarr.json", "w", encoding="ascii") as file:

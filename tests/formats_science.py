@@ -11,7 +11,8 @@ import numpy as np
 
 from formats_matrix import SAY, check, values_of
 from formats_matrix import SPACING as PLAIN
-from phantom import FIRST, LPS, SPACING, STEPS, case, cut, expect, phantom, refused, run, same, vtk_image, vtk_write
+from phantom import (FIRST, LPS, SPACING, STEPS, case, cut, expect, must_choose, phantom, refused, run, same,
+                     vtk_image, vtk_write)
 
 
 def affine():
@@ -31,7 +32,7 @@ def mgh():
     image = nibabel.MGHImage(both.T, affine())
     image.header["tr"] = 1500
     image.to_filename("t.mgz")
-    refused("t.mgz", 2, "has 2 frames (1500 ms apart)")
+    must_choose("t.mgz", "has 2 frames (1500 ms apart)")
     same("t.mgz", both[1], options=["--frame", "1"], tolerance=1e-4)
     nibabel.MGHImage(phantom(np.int16).T, affine()).to_filename("p.mgh")
     cut("p.mgh", "cut.mgh")
@@ -172,7 +173,7 @@ def mrtrix():
     both = np.stack([phantom(), phantom() + 1], -1)
     for layout in "+0,+1,+2,+3", "+1,+2,+3,+0":
         write_mif("t.mif", np.stack([phantom().T, phantom().T + 1], -1), layout, "Int16LE")
-        refused("t.mif", 2, "has 2 frames (2.5 s apart)")
+        must_choose("t.mif", "has 2 frames (2.5 s apart)")
         same("t.mif", both[..., 1], options=["--frame", "1"], tolerance=1e-4)
     write_mif("./h.mih", phantom().T, "+0,+1,+2", "Int16LE", separate=True)
     same("h.mih", phantom(), tolerance=1e-4)
@@ -221,7 +222,7 @@ def afni():
         expect(np.array_equal(np.squeeze(peer.get_fdata()).T, values[0]), "nibabel reads other values")
     both = np.stack([phantom(), phantom() + 1])
     write_afni("t+orig", both, [0.5, 0.25])
-    refused("t+orig.HEAD", 2, "has 2 frames (2.5 s apart)")
+    must_choose("t+orig.HEAD", "has 2 frames (2.5 s apart)")
     same("t+orig.HEAD", (both[1] * 0.25).astype(np.float32), options=["--frame", "1"], tolerance=1e-4)
     with gzip.open("t+orig.BRIK.gz", "wb") as file, open("t+orig.BRIK", "rb") as plain:
         file.write(plain.read())

@@ -113,6 +113,15 @@ def refused(path, code, words, options=()):
     expect(words in lines[0], f"{path}: \"{lines[0]}\" lacks \"{words}\"")
 
 
+def must_choose(path, words, options=()):
+    """Of several frames or channels builds want one named. info shows the first, and the option that chooses."""
+    got = run("build", path, "-o", "never.iso", *options)
+    expect(got.returncode == 2 and words in got.stderr, f"{path}: exit code {got.returncode}: {got.stderr.strip()}")
+    got = run("info", path, *options)
+    option = "--frame K chooses another" if "frames" in words else "--channel chooses another: 0"
+    expect(got.returncode == 0 and option in got.stdout, f"{path}: info ends with {got.returncode}: {got.stderr}{got.stdout[:300]}")
+
+
 def cut(path, to, fraction=0.6):
     with open(path, "rb") as file:
         data = file.read()

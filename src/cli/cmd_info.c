@@ -34,13 +34,16 @@ static void print_frames(const iso_volume_notes *n)
         printf("  frames     %zu, this is %zu (from 0)", n->frame_count, n->frame);
         if (n->frame_step > 0)
             printf(", %g%s%s apart", n->frame_step, n->frame_unit[0] ? " " : "", n->frame_unit);
-        printf("\n");
+        printf("; --frame K chooses another\n");
     }
-    if (n->channel_count > 1 && strcmp(n->channel_name, "luminance") == 0)
-        printf("  channels   %zu, this is their luminance\n", n->channel_count);
-    else if (n->channel_count > 1)
-        printf("  channels   %zu, this is %zu (from 0)%s%s\n", n->channel_count, n->channel,
-               n->channel_name[0] ? ": " : "", n->channel_name);
+    if (n->channel_count <= 1)
+        return;
+    printf("  channels   %zu, this is ", n->channel_count);
+    if (strcmp(n->channel_name, "luminance") == 0)
+        printf("their luminance");
+    else
+        printf("%zu (from 0)%s%s", n->channel, n->channel_name[0] ? ": " : "", n->channel_name);
+    printf("; --channel chooses another: %s\n", n->channel_list);
 }
 
 static json_t *frames_to_json(const iso_volume_notes *n)
@@ -365,6 +368,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 {
     iso_volume_input input;
     iso_volume_input_defaults(&input);
+    input.takes_first = true;
     char *picture = NULL;
     int verify = 0;
     struct poptOption options[] = {

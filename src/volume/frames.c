@@ -54,7 +54,7 @@ static iso_status choose_layer(const char *path, const iso_volume_hints *hints, 
     if (hints->frame && iso_segments_layer(axes->layers, hints->frame, layer) && *layer < count)
         return ISO_OK;
     *layer = 0;
-    if (!hints->frame && count == 1)
+    if (!hints->frame && (count == 1 || hints->takes_first))
         return ISO_OK;
     iso_segments_list_layers(axes->layers, count, list, sizeof list);
     if (hints->frame)
@@ -80,7 +80,7 @@ iso_status iso_frames_choose(const char *path, const iso_volume_hints *hints, co
     if (hints->frame)
         return iso_fail(err, ISO_E_USAGE, "%s: --frame is \"%s\", there are %zu frames%s, numbered from 0 to %zu", path,
                         hints->frame, count, step, count - 1);
-    if (count == 1)
+    if (count == 1 || hints->takes_first)
         return ISO_OK;
     return iso_fail(
         err, ISO_E_USAGE,
@@ -120,7 +120,7 @@ static iso_status choose_channel(const char *path, const iso_volume_hints *hints
     choice->channel = 0;
     choice->luminance = hints->channel && axes->is_color && count >= 3 &&
                         (axes->channel.inside || axes->gives_luminance) && strcmp(hints->channel, "luminance") == 0;
-    if (choice->luminance || (!hints->channel && count == 1))
+    if (choice->luminance || (!hints->channel && (count == 1 || hints->takes_first)))
         return ISO_OK;
     list_channels(axes, list, sizeof list);
     if (hints->channel)
@@ -147,6 +147,8 @@ static void take_notes(const iso_extra_axes *axes, const iso_source_choice *choi
     iso_words_copy_line(axes->frame_unit, notes->frame_unit, sizeof notes->frame_unit);
     notes->channel_count = axes->channel.count;
     notes->channel = choice->channel;
+    if (axes->channel.count > 1)
+        list_channels(axes, notes->channel_list, sizeof notes->channel_list);
     iso_words_copy_line(choice->luminance ? "luminance" : channel_name(axes, choice->channel), notes->channel_name,
                         sizeof notes->channel_name);
 }

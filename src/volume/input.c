@@ -67,7 +67,8 @@ static iso_status parse_spacing(const char *option, const char *text, double uni
 
 static iso_status parse_hints(const iso_volume_input *in, iso_volume_hints *hints, double *unit_mm, iso_error *err)
 {
-    *hints = (iso_volume_hints){.series = in->series, .frame = in->frame, .channel = in->channel};
+    *hints = (iso_volume_hints){.series = in->series, .frame = in->frame, .channel = in->channel,
+                                .takes_first = in->takes_first};
     hints->uneven = in->resample ? ISO_UNEVEN_RESAMPLE : in->force_spacing ? ISO_UNEVEN_FORCE : ISO_UNEVEN_REFUSE;
     if (in->resample && in->force_spacing)
         return iso_fail(err, ISO_E_USAGE, "--resample and --force-spacing: one or the other");

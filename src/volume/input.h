@@ -13,6 +13,7 @@ typedef struct iso_volume_input {
     char *frame, *channel, *no_data;         /* "3", "red", "-2000" */
     int raw_big_endian, stored, labels, no_labels, resample, force_spacing;
     long raw_skip_bytes;
+    bool takes_first; /* of several frames and channels, unless one is named: for an overview */
 } iso_volume_input;
 
 void iso_volume_input_defaults(iso_volume_input *input);

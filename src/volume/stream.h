@@ -37,6 +37,7 @@ typedef struct iso_volume_hints {
     const char *frame;    /* which time step, from 0; NULL: the only one */
     iso_uneven uneven;
     bool is_piece; /* a part of a parallel file, which names it */
+    bool takes_first; /* True if frame and channel 0 are taken of several, unless they are named */
     iso_no_data no_data;
     const char *channel;  /* which number of a voxel: from 0, its name, or "luminance" of colors; NULL: the only one */
 } iso_volume_hints;

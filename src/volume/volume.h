@@ -27,6 +27,7 @@ typedef struct iso_volume_notes {
     size_t label_count;            /* of a label map (labels.h); 0: intensities */
     size_t channel_count, channel; /* numbers a voxel in the file, and the one that was read */
     char channel_name[48];         /* "": it has none */
+    char channel_list[320];        /* of several, by number and name: "0 red, 1 green" */
 } iso_volume_notes;
 
 typedef struct iso_volume {
