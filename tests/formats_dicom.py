@@ -40,6 +40,10 @@ def multiframe(path, values, without=(), **elements):
     d["PixelData"].VR = "OB" if bits == 8 else "OW"
     for name, value in elements.items():
         setattr(d, name, value)
+        if name.endswith("Descriptor"):
+            d[name].VR = "US"
+        if isinstance(value, bytes) and len(value) % 2:
+            setattr(d, name, value + b"\0")
     d.file_meta.MediaStorageSOPClassUID = d.SOPClassUID
     for name in without:
         delattr(d, name)
@@ -171,15 +175,11 @@ def dicom_values():
         same("float.dcm", floats.astype(np.float32))
         dcmtk("dcmconv", "+tb", "float.dcm", "big.dcm")
         same("big.dcm", floats.astype(np.float32))
-    multiframe("palette.dcm", values, PhotometricInterpretation="PALETTE COLOR")
-    refused("palette.dcm", 4, "indices into a palette of colors")
     multiframe("lut.dcm", values, ["RescaleSlope", "RescaleIntercept"],
                ModalityLUTSequence=[item(LUTDescriptor=[2, 0, 16], ModalityLUTType="US", LUTData=b"\1\0\2\0")])
     refused("lut.dcm", 4, "ModalityLUTSequence")
     multiframe("wide.dcm", values, BitsAllocated=64, BitsStored=64, HighBit=63)
     refused("wide.dcm", 4, "BitsAllocated is 64")
-    multiframe("colors.dcm", values, SamplesPerPixel=3, PhotometricInterpretation="RGB", PlanarConfiguration=1)
-    refused("colors.dcm", 4, "3 components per voxel (RGB)")
 
 
 # ---- spacings ----
@@ -346,3 +346,250 @@ def dicom_faults():
         except Wrong:
             continue
         raise Wrong(f"not found: {name}")
+
+
+# ---- colors ----
+
+def of_color(path, pixels, kind, planar=0, **elements):
+    """pixels [z, y, x, 3], or of a palette [z, y, x]."""
+    data = np.moveaxis(pixels, -1, 1) if planar else pixels
+    planes = pixels[..., 0] if pixels.ndim == 4 else pixels
+    multiframe(path, planes, SamplesPerPixel=1 if pixels.ndim == 3 else 3, PhotometricInterpretation=kind,
+               PlanarConfiguration=planar, PixelData=np.ascontiguousarray(data).astype(planes.dtype.newbyteorder("<")).tobytes(),
+               **elements)
+
+
+def colors_of(dtype):
+    v = phantom(np.uint16).astype(np.int64)
+    scale = 1 if dtype == "u1" else 257
+    return np.stack([(v * k) % 251 * scale for k in (1, 3, 7)], -1).astype(dtype)
+
+
+def rgb_of_ybr(pixels):
+    y, cb, cr = (pixels[..., c].astype(float) - (128 if c else 0) for c in range(3))
+    rgb = np.stack([y + 1.402 * cr, y - (0.114 * 1.772 * cb + 0.299 * 1.402 * cr) / 0.587, y + 1.772 * cb], -1)
+    return np.clip(np.floor(rgb + 0.5), 0, 255).astype(np.uint8)
+
+
+def each_color(path, rgb):
+    for c, name in enumerate(("red", "green", "blue")):
+        same(path, rgb[..., c], options=["--channel", name], unit="mm")
+    weighed = (rgb.astype(float) @ [0.2126, 0.7152, 0.0722]).astype(np.float32)
+    same(path, weighed, options=["--channel", "luminance"])
+    must_choose(path, "has 3 channels a voxel; --channel chooses one of them: 0 red, 1 green, 2 blue, luminance")
+
+
+@case
+def dicom_colors():
+    """Against the definitions of PS3.3 C.7.6.3.1.2; pydicom's conversion is the same one."""
+    for dtype in "u1", "u2":
+        rgb = colors_of(dtype)
+        for planar in 0, 1:
+            of_color("rgb.dcm", rgb, "RGB", planar)
+            each_color("rgb.dcm", rgb)
+            dcmtk("dcmcrle", "rgb.dcm", "rle.dcm")
+            each_color("rle.dcm", rgb)
+    rgb = colors_of("u1")
+    of_color("rgb.dcm", rgb, "RGB")
+    for convert in (["dcmcjpls", "+el"], ["dcmcjpeg", "+e1"]):  # without loss
+        dcmtk(*convert, "rgb.dcm", "packed.dcm")
+        each_color("packed.dcm", rgb)
+    of_color("ybr.dcm", rgb, "YBR_FULL")
+    each_color("ybr.dcm", rgb_of_ybr(rgb))
+    half = rgb[:, :, :10].copy()  # pairs of pixels share two components
+    half[:, :, 1::2, 1:] = half[:, :, ::2, 1:]
+    pairs = np.stack([half[:, :, ::2, 0], half[:, :, 1::2, 0], half[:, :, ::2, 1], half[:, :, ::2, 2]], -1)
+    multiframe("half.dcm", half[..., 0], SamplesPerPixel=3, PhotometricInterpretation="YBR_FULL_422", PlanarConfiguration=0,
+               PixelData=pairs.tobytes())
+    got = read_samples("half.dcm", ["--channel", "green"])
+    expect(np.array_equal(got, rgb_of_ybr(half)[..., 1]), "YBR_FULL_422")
+    expect(not np.array_equal(got, half[..., 1]), "the conversion is not to be seen")  # the test's power
+    # with loss: as dcmtk decodes the same file; decoders of JPEG may round differently by 2, a swapped channel is far off
+    dcmtk("dcmcjpeg", "+eb", "+q", "95", "rgb.dcm", "lossy.dcm")
+    dcmtk("dcmdjpeg", "lossy.dcm", "unpacked.dcm")
+    import pydicom
+    wanted = pydicom.dcmread("unpacked.dcm").pixel_array
+    got = np.stack([read_samples("lossy.dcm", ["--channel", str(c)]) for c in range(3)], -1).astype(int)
+    expect(np.abs(got - wanted).max() <= 2, f"JPEG differs by {np.abs(got - wanted).max()}")
+    expect(np.abs(got[..., ::-1] - wanted).max() > 2, "swapped channels are not to be seen")
+    four = np.concatenate([rgb, rgb[..., :1]], -1)
+    multiframe("four.dcm", rgb[..., 0], SamplesPerPixel=4, PhotometricInterpretation="ARGB", PlanarConfiguration=0,
+               PixelData=four.tobytes())
+    refused("four.dcm", 4, "4 components per voxel (ARGB), must be RGB")
+
+
+@case
+def dicom_palettes():
+    index = (phantom(np.uint16) % 61 + 3).astype(np.uint8)
+    for bits, first in (8, 3), (16, 3), (16, 10):
+        tables = [(np.arange(60) * k % 250 * (1 if bits == 8 else 200)).astype("u2") for k in (1, 5, 11)]
+        names = "RedPaletteColorLookupTable", "GreenPaletteColorLookupTable", "BluePaletteColorLookupTable"
+        words = {}
+        for name, table in zip(names, tables):
+            words[name + "Descriptor"] = [60, first, bits]
+            words[name + "Data"] = table.astype("u1" if bits == 8 else "u2").tobytes()
+        of_color("palette.dcm", index, "PALETTE COLOR", **words)
+        at = np.clip(index.astype(int) - first, 0, 59)
+        each_color("palette.dcm", np.stack([t[at] for t in tables], -1).astype("u1" if bits == 8 else "u2"))
+    for name in names:
+        words[name + "Data"] = tables[0].tobytes()
+    of_color("gray.dcm", index, "PALETTE COLOR", **words)
+    same("gray.dcm", tables[0][at])
+    of_color("without.dcm", index, "PALETTE COLOR")
+    refused("without.dcm", 4, "indices into a palette that is missing")
+    for name in names:
+        words[name + "Data"] = tables[0][:20].tobytes()
+    of_color("short.dcm", index, "PALETTE COLOR", **words)
+    refused("short.dcm", 4, "its palette has 40 bytes for 60 colors of 16 bits; segmented palettes are not read")
+
+
+# ---- segmentations ----
+
+SEGMENTATION = "1.2.840.10008.5.1.4.1.1.66.4"
+
+
+def of_segments(path, masks, left_out=(), kind="BINARY", fraction=1):
+    """masks: [z, y, x] of each segment, numbered from 1. A frame for each segment and slice that is not left out."""
+    frames, groups = [], []
+    for number, (name, mask) in enumerate(masks.items(), 1):
+        for k in range(len(mask)):
+            if (number, k) in left_out:
+                continue
+            frames.append(mask[k])
+            groups.append(item(
+                PlanePositionSequence=[item(ImagePositionPatient=[f"{c:.11f}" for c in LPS @ (FIRST + STEPS[:, 2] * k)])],
+                SegmentIdentificationSequence=[item(ReferencedSegmentNumber=number)]))
+    frames = np.array(frames)
+    measures = item(PixelSpacing=[str(SPACING[1]), str(SPACING[0])], SliceThickness="1")
+    names = [item(SegmentNumber=n, SegmentLabel=name) for n, name in enumerate(masks, 1)]
+    bits = {} if fraction > 1 else {"BitsAllocated": 1, "BitsStored": 1, "HighBit": 0,
+                                    "PixelData": np.packbits(frames.ravel(), bitorder="little").tobytes()}
+    return multiframe(path, (frames * fraction).astype(np.uint8), ["PixelSpacing", "ImagePositionPatient", "SliceThickness",
+                      "SpacingBetweenSlices", "RescaleSlope", "RescaleIntercept"], SOPClassUID=SEGMENTATION,
+                      SegmentationType=kind, SegmentSequence=names, PerFrameFunctionalGroupsSequence=groups,
+                      SharedFunctionalGroupsSequence=[item(PixelMeasuresSequence=[measures])], **bits)
+
+
+def encapsulated(d, path, syntax, pack):
+    from pydicom.encaps import encapsulate
+    count, size = int(d.NumberOfFrames), d.Rows * d.Columns
+    bits = np.unpackbits(np.frombuffer(d.PixelData, "u1"), bitorder="little")
+    d.PixelData = encapsulate([pack(np.packbits(bits[k * size:(k + 1) * size], bitorder="little").tobytes()) for k in range(count)])
+    d["PixelData"].is_undefined_length = True
+    d["PixelData"].VR = "OB"
+    d.file_meta.TransferSyntaxUID = syntax
+    d.save_as(path, write_like_original=False)
+
+
+def rle(data):
+    """PackBits of literal runs, and of runs of equal bytes."""
+    out = bytearray()
+    while data:
+        equal = next((n for n in range(1, min(len(data), 128)) if data[n] != data[0]), min(len(data), 128))
+        out += bytes([257 - equal, data[0]]) if equal > 1 else bytes([0, data[0]])
+        data = data[equal:]
+    return np.array([1, 64] + 14 * [0], "<u4").tobytes() + bytes(out) + b"\0" * (len(out) % 2)
+
+
+@case
+def dicom_segments():
+    """Segments of one bit: as labels; those that overlap, or of fractions, one by one. 143 bits a frame: not in whole bytes."""
+    v = phantom(np.int16)
+    masks = {"liver": v > 300, "vessel": v < -200, "all": v > -1000}
+    apart = {name: masks[name] for name in ("liver", "vessel")}
+    labels = (apart["liver"] * 1 + apart["vessel"] * 2).astype(np.uint16)
+    expect(set(np.unique(labels)) == {0, 1, 2}, "the masks have no voxels")
+    d = of_segments("seg.dcm", apart)
+    same("seg.dcm", labels, unit="mm")
+    about = run("info", "seg.dcm")
+    expect("label map, 3 labels" in about.stdout, about.stdout)
+    encapsulated(d, "rle.dcm", "1.2.840.10008.1.2.5", rle)
+    same("rle.dcm", labels)
+    d = of_segments("seg.dcm", apart)
+    encapsulated(d, "jpeg.dcm", "1.2.840.10008.1.2.4.90", lambda data: data)
+    refused("jpeg.dcm", 4, "must be RLE with one fragment per frame")
+    # empty slices are left out, as programs do
+    empty = [k for k in range(len(v)) if k in (1, 4)]
+    for mask in apart.values():
+        mask[empty] = False
+    of_segments("left_out.dcm", apart, [(n, k) for n in (1, 2) for k in empty])
+    same("left_out.dcm", (apart["liver"] * 1 + apart["vessel"] * 2).astype(np.uint16))
+    of_segments("overlap.dcm", masks)
+    must_choose("overlap.dcm", "has 3 channels a voxel; --channel chooses one of them: 0 liver, 1 vessel, 2 all")
+    same("overlap.dcm", (masks["vessel"] * 2).astype(np.uint16), options=["--channel", "vessel"])
+    of_segments("fraction.dcm", apart, kind="FRACTIONAL", fraction=200)
+    same("fraction.dcm", (apart["vessel"] * 200).astype(np.uint16), options=["--channel", "1"])
+    # labels as samples
+    multiframe("map.dcm", labels, SegmentationType="LABELMAP", SOPClassUID="1.2.840.10008.5.1.4.1.1.66.7")
+    same("map.dcm", labels.astype(np.uint16))
+    expect("label map, 3 labels" in run("info", "map.dcm").stdout, "not a label map")
+
+
+# ---- Siemens mosaics ----
+
+def csa(version=2, **entries):
+    """Siemens' header of entries with texts."""
+    out = (b"SV10\4\3\2\1" if version == 2 else b"") + np.array([len(entries), 77], "<u4").tobytes()
+    for name, texts in entries.items():
+        kind = {"A": b"SH", "N": b"IS", "S": b"FD"}[name[0]] + b"\0\0"
+        out += name.encode().ljust(64, b"\0") + np.array([len(texts)], "<u4").tobytes() + kind
+        out += np.array([6, len(texts), 77], "<u4").tobytes()
+        for text in texts:
+            data = text.encode() + b"\0"
+            length = len(data) if version == 2 else len(data) + len(next(iter(entries.values())))
+            out += np.array([length, len(data), 77, 0], "<u4").tobytes() + data + b"\0" * (-len(data) % 4)
+    return out
+
+
+def mosaic(path, values, number, up=1, version=2, private=True):
+    import pydicom
+    side = int(np.ceil(np.sqrt(len(values))))
+    sheet = np.zeros((side, values.shape[1], side, values.shape[2]), values.dtype)
+    for k in range(len(values)):
+        sheet[k // side, :, k % side] = values[k]
+    sheet = sheet.reshape(side * values.shape[1], side * values.shape[2])
+    first = FIRST if up > 0 else FIRST + STEPS[:, 2] * (len(values) - 1)
+    corner = first - STEPS[:, :2] @ [(sheet.shape[1] - values.shape[2]) / 2, (sheet.shape[0] - values.shape[1]) / 2]
+    dicom_slice(path, sheet, corner, "1.2.3.11", number)
+    d = pydicom.dcmread(path)
+    d.ImageType, d.AcquisitionNumber = ["ORIGINAL", "PRIMARY", "M", "ND", "MOSAIC"], number
+    d.SpacingBetweenSlices, d.RescaleSlope, d.RescaleIntercept = str(SPACING[2]), "1", "0"
+    normal = LPS @ STEPS[:, 2] / SPACING[2] * up
+    if private:
+        d.private_block(0x29, "SIEMENS CSA HEADER", create=True).add_new(0x10, "OB", csa(version,
+            AcquisitionMatrixText=["13p*11"], NumberOfImagesInMosaic=[f"{len(values):<8}"], SliceNormalVector=[f"{c:.8f}" for c in normal]))
+    else:
+        d.private_block(0x19, "SIEMENS MR HEADER", create=True).add_new(0x29, "FD", [0.5 * k for k in range(len(values))])
+    d.save_as(path, write_like_original=False)
+    return sheet
+
+
+@case
+def dicom_mosaic():
+    values = phantom(np.uint16)
+    for version in 1, 2:
+        mosaic("mosaic.dcm", values, 1, version=version)
+        same("mosaic.dcm", values, unit="mm")
+    sheet = mosaic("down.dcm", values[::-1], 1, up=-1)  # tiles from the top
+    same("down.dcm", values)
+    expect(not np.array_equal(sheet[:13, :11], values[0]), "the order of tiles is not to be seen")  # the test's power
+    mosaic("times.dcm", values, 1, private=False)  # without the number: by the times of its slices
+    same("times.dcm", values)
+    import nibabel.nicom.dicomwrappers as wrappers
+    mosaic("mosaic.dcm", values, 1)
+    wrapper = wrappers.wrapper_from_file("mosaic.dcm")
+    expect(np.allclose(LPS @ wrapper.affine[:3, 3], FIRST, atol=1e-5), "nibabel places the first slice elsewhere")
+    shutil.rmtree("series", ignore_errors=True)
+    os.makedirs("series")
+    for t in range(3):
+        mosaic(f"series/{t}.dcm", values + t, t + 1)
+    same("series", values + 2, options=["--frame", "2"])
+    must_choose("series", "has 3 frames")
+    import pydicom
+    d = pydicom.dcmread("mosaic.dcm")
+    del d[0x29, 0x1010]
+    d.save_as("unknown.dcm", write_like_original=False)
+    refused("unknown.dcm", 4, "without Siemens' number of them")
+    d.private_block(0x29, "SIEMENS CSA HEADER").add_new(0x10, "OB", csa(NumberOfImagesInMosaic=["30"]))
+    d.save_as("many.dcm", write_like_original=False)
+    refused("many.dcm", 4, "damaged: a mosaic of 30 slices in 1 pictures of 33 x 39 pixels")

@@ -145,6 +145,7 @@ static void take_geometry(const iso_child_header *h, const double mm[3], iso_vol
     g->origin_mm = h->world == ISO_CHILD_CENTERED ? iso_scale(iso_geometry_box_center_mm(g), -1) : iso_sub(first, half);
     header->type = h->type;
     header->notes.world_is_ras = h->world == ISO_CHILD_LPS || h->world == ISO_CHILD_RAS;
+    header->notes.says_labels = h->is_labels;
     header->notes.scale_slope = h->slope;
     header->notes.scale_intercept = h->intercept;
 }

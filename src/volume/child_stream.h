@@ -38,6 +38,7 @@ typedef struct iso_child_header {
     char unit[3][32];        /* of the world's axes; "" if the file has none, which is mm */
     double slope, intercept; /* physical value = slope * sample + intercept */
     double box[3];           /* the box in index coordinates, if it is smaller than the grid; 0: as the grid */
+    bool is_labels;          /* True if the file is a label map by its own words */
     bool is_whole;           /* doubles that are integers of 64 bits in the file */
     size_t fill_count;       /* values that stand for none, and which */
     double fill[3];

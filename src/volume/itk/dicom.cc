@@ -1,87 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/itk/dicom.h"
 
-#include <gdcmReader.h>
-#include <gdcmSequenceOfItems.h>
-
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <set>
 
+#include "volume/itk/dicom_elements.h"
+#include "volume/itk/dicom_mosaic.h"
+
 namespace {
 
-using gdcm::DataSet;
-using gdcm::Tag;
-using Numbers = std::vector<double>;
-
 constexpr uint16_t pixels = 0x7fe0;
-
-/* The items of a sequence. They live no longer than this object. A sequence whose type the file lacks (VR UN) is
- * made of its bytes on request, and belongs to the caller. */
-class Items {
-public:
-    Items(const DataSet *set, const Tag &tag)
-    {
-        if (set && set->FindDataElement(tag))
-            items_ = set->GetDataElement(tag).GetValueAsSQ();
-    }
-    size_t count() const
-    {
-        return items_ ? items_->GetNumberOfItems() : 0;
-    }
-    const DataSet *at(size_t i) const
-    {
-        return i < count() ? &items_->GetItem(i + 1).GetNestedDataSet() : nullptr;
-    }
-
-private:
-    gdcm::SmartPointer<gdcm::SequenceOfItems> items_;
-};
-
-/* Returns the bytes of an element, without padding; empty if it is missing. */
-std::string bytes_in(const DataSet *set, const Tag &tag)
-{
-    const gdcm::ByteValue *value = set && set->FindDataElement(tag) ? set->GetDataElement(tag).GetByteValue() : nullptr;
-    return value ? std::string(value->GetPointer(), value->GetLength()) : "";
-}
-
-std::string text_in(const DataSet *set, const Tag &tag)
-{
-    std::string text = bytes_in(set, tag);
-    text.erase(std::find(text.begin(), text.end(), '\0'), text.end());
-    const size_t first = text.find_first_not_of(' '), last = text.find_last_not_of(' ');
-    return first == std::string::npos ? "" : text.substr(first, last + 1 - first);
-}
-
-std::vector<std::string> words_of(const std::string &text)
-{
-    std::vector<std::string> words;
-    for (size_t at = 0; at < text.size();) {
-        const size_t end = std::min(text.find('\\', at), text.size());
-        words.push_back(text.substr(at, end - at));
-        at = end + 1;
-    }
-    return words;
-}
-
-/* Reads decimals between backslashes; none if one of them is not a finite number. */
-Numbers decimals_of(const std::string &text)
-{
-    Numbers values;
-    for (const auto &word : words_of(text)) {
-        char *end;
-        values.push_back(strtod(word.c_str(), &end));
-        if (end == word.c_str() || !std::isfinite(values.back()))
-            return {};
-    }
-    return values;
-}
-
-Numbers decimals_in(const DataSet *set, const Tag &tag)
-{
-    return decimals_of(text_in(set, tag));
-}
 
 /* Returns the unit of the last digit of any of the decimals. */
 double last_digit_of(const std::string &text)
@@ -95,24 +24,6 @@ double last_digit_of(const std::string &text)
         most = std::max(most, after - exponent);
     }
     return std::pow(10, -most);
-}
-
-/* Returns a binary number, which GDCM gives in the machine's byte order; NAN: missing. */
-template <typename T> double binary_in(const DataSet *set, const Tag &tag)
-{
-    const std::string bytes = bytes_in(set, tag);
-    T value;
-    if (bytes.size() < sizeof value)
-        return NAN;
-    memcpy(&value, bytes.data(), sizeof value);
-    return static_cast<double>(value);
-}
-
-std::string binary_text(double value)
-{
-    char text[40];
-    snprintf(text, sizeof text, "%.17g", value);
-    return std::isnan(value) ? "" : text;
 }
 
 /* The element sets of a frame, the first of which comes first: its own groups, the shared ones, and the file's. */
@@ -144,7 +55,7 @@ struct Sets {
 
 const Tag pixel_measures(0x0028, 0x9110), plane_orientation(0x0020, 0x9116), plane_position(0x0020, 0x9113),
     value_transformation(0x0028, 0x9145), frame_content(0x0020, 0x9111), cardiac(0x0018, 0x9118), echo(0x0018, 0x9114),
-    diffusion(0x0018, 0x9117);
+    diffusion(0x0018, 0x9117), segment_identification(0x0062, 0x000a);
 
 /* Returns the value of each key of stack.h, by the frame's groups or by the file. */
 std::vector<std::string> keys_of(const Sets &sets)
@@ -266,17 +177,66 @@ void take_scale(const Sets &sets, const DicomFile &file, DicomFrame &frame)
         fail(ISO_E_FORMAT, file.path + ": its values go through a ModalityLUTSequence, which is not read");
 }
 
-void check_kind(const DataSet &all, const DicomFile &file)
+/* Reads one of the three tables of a palette: LUT data of 16 bits, or two of 8 bits in each word. */
+std::vector<uint16_t> palette_entries(const DataSet &all, uint16_t color, size_t count, unsigned bits,
+                                      const std::string &path)
 {
-    const double components = binary_in<uint16_t>(&all, Tag(0x0028, 0x0002));
+    const std::string bytes = bytes_in(&all, Tag(0x0028, static_cast<uint16_t>(0x1201 + color)));
+    const bool is_packed = bits == 8 && bytes.size() < 2 * count;
+    std::vector<uint16_t> entries(count);
+    if (bytes.size() < (is_packed ? count : 2 * count))
+        fail(ISO_E_FORMAT, path + ": its palette has " + std::to_string(bytes.size()) + " bytes for " +
+                               std::to_string(count) + " colors of " + std::to_string(bits) +
+                               " bits; segmented palettes are not read");
+    for (size_t i = 0; i < count; ++i) {
+        if (is_packed)
+            entries[i] = static_cast<unsigned char>(bytes[i]);
+        else
+            memcpy(&entries[i], &bytes[2 * i], sizeof entries[i]);
+        entries[i] &= bits == 8 ? 0xff : 0xffff;
+    }
+    return entries;
+}
+
+void take_palette(const DataSet &all, DicomFile &file)
+{
+    const std::string bytes = bytes_in(&all, Tag(0x0028, 0x1101));
+    uint16_t words[3] = {};
+    memcpy(words, bytes.data(), std::min(bytes.size(), sizeof words));
+    const size_t count = words[0] == 0 ? 65536 : words[0];
+    if (bytes.size() < sizeof words || (words[2] != 8 && words[2] != 16))
+        fail(ISO_E_FORMAT, file.path + ": its samples are indices into a palette that is missing");
+    file.palette.first = file.is_signed ? static_cast<int16_t>(words[1]) : words[1];
+    file.palette.bits = words[2];
+    for (uint16_t c = 0; c < 3; ++c)
+        file.palette.entries[c] = palette_entries(all, c, count, words[2], file.path);
+}
+
+/* Reads how pixels are coded. A palette that is gray throughout gives gray values, as such pictures do. */
+void take_coding(const DataSet &all, DicomFile &file)
+{
     const std::string color = text_in(&all, Tag(0x0028, 0x0004));
-    if (components > 1)
-        fail(ISO_E_FORMAT, file.path + ": " + binary_text(components) + " components per voxel (" + color +
-                               "), not supported in this format");
-    if (color == "PALETTE COLOR")
-        fail(ISO_E_FORMAT, file.path + ": its samples are indices into a palette of colors, which is not read");
-    if (text_in(&all, Tag(0x0008, 0x0008)).find("MOSAIC") != std::string::npos)
-        fail(ISO_E_FORMAT, file.path + ": a mosaic of slices in one picture, which is not read; dcm2niix converts it");
+    const double components = binary_in<uint16_t>(&all, Tag(0x0028, 0x0002));
+    Coding &coding = file.coding;
+    coding.bits = file.bits_allocated;
+    coding.has_whole_bytes = coding.bits != 1;
+    coding.components = components > 1 ? static_cast<size_t>(components) : 1;
+    coding.is_in_planes = binary_in<uint16_t>(&all, Tag(0x0028, 0x0006)) == 1;
+    const bool is_small = file.samples == Samples::integer && (coding.bits == 8 || coding.bits == 16);
+    if (color == "PALETTE COLOR" && coding.components == 1 && is_small) {
+        take_palette(all, file);
+        coding.color = Color::palette;
+    } else if (coding.components == 1)
+        return;
+    else if (coding.components == 3 && is_small && (color == "RGB" || color == "YBR_RCT" || color == "YBR_ICT"))
+        coding.color = Color::rgb;
+    else if (coding.components == 3 && is_small && (color == "YBR_FULL" || color == "YBR_FULL_422"))
+        coding.color = color == "YBR_FULL" ? Color::ybr : Color::ybr_half;
+    else
+        fail(ISO_E_FORMAT, file.path + ": " + std::to_string(coding.components) + " components per voxel (" + color +
+                               "), must be RGB, YBR_FULL, YBR_FULL_422 or PALETTE COLOR of 8 or 16 bits");
+    file.channels = coding.color == Color::palette && file.palette.is_gray() ? 1 : 3;
+    choose_channel(file, 0);
 }
 
 void take_samples(const DataSet &all, DicomFile &file)
@@ -299,8 +259,8 @@ void take_samples(const DataSet &all, DicomFile &file)
     if (const unsigned padding = number(0x0120, 0))
         file.padding = file.is_signed ? static_cast<double>(static_cast<int16_t>(padding)) : padding;
     const unsigned bits = file.bits_allocated;
-    if (bits != 8 && bits != 16 && bits != 32)
-        fail(ISO_E_FORMAT, file.path + ": BitsAllocated is " + std::to_string(bits) + ", must be 8, 16 or 32");
+    if (bits != 1 && bits != 8 && bits != 16 && bits != 32)
+        fail(ISO_E_FORMAT, file.path + ": BitsAllocated is " + std::to_string(bits) + ", must be 1, 8, 16 or 32");
     if (file.bits_stored < 1 || file.bits_stored > bits || file.high_bit >= bits ||
         file.high_bit + 1 < file.bits_stored)
         fail(ISO_E_FORMAT, file.path + ": damaged: BitsStored is " + std::to_string(file.bits_stored) + ", HighBit " +
@@ -369,6 +329,14 @@ void check_frames(const DicomFile &file)
     }
 }
 
+void take_tiles(const DataSet &all, DicomFile &file)
+{
+    const double step = number_or(text_in(&all, Tag(0x0018, 0x0088)), 0, "SpacingBetweenSlices", file);
+    if (!(step > 0))
+        file.unspaced = "between its slices";
+    take_mosaic(all, step > 0 ? step : 1, file);
+}
+
 void take_frames(const DataSet &all, DicomFile &file)
 {
     const Items shared_items(&all, Tag(0x5200, 0x9229)), frame_items(&all, Tag(0x5200, 0x9230));
@@ -387,16 +355,33 @@ void take_frames(const DataSet &all, DicomFile &file)
         take_axes(sets, file, frame);
         take_place(sets, frame);
         take_scale(sets, file, frame);
+        const Items segment(sets.frame, segment_identification);
+        const double number = binary_in<uint16_t>(segment.at(0), Tag(0x0062, 0x000b));
+        frame.segment = number >= 1 ? static_cast<unsigned>(number) : 0;
         frame.plane.keys = keys_of(sets);
         has_own_places = has_own_places || Items(sets.frame, plane_position).count() > 0;
         file.frames.push_back(frame);
     }
     check_frames(file);
+    if (is_mosaic(all))
+        return take_tiles(all, file);
     if (!has_own_places)
         return place_frames(all, shared, file);
     for (const auto &frame : file.frames)
         if (!frame.has_place && count > 1)
             fail(ISO_E_FORMAT, file.path + ": some frames have ImagePositionPatient, others do not");
+}
+
+/* Reads the names of a segmentation's segments. */
+void take_segments(const DataSet &all, DicomFile &file)
+{
+    const Items segments(&all, Tag(0x0062, 0x0002));
+    for (size_t i = 0; i < segments.count(); ++i) {
+        const double number = binary_in<uint16_t>(segments.at(i), Tag(0x0062, 0x0004));
+        if (number >= 1)
+            file.segments.push_back({static_cast<unsigned>(number), text_in(segments.at(i), Tag(0x0062, 0x0005))});
+    }
+    file.is_label_map = text_in(&all, Tag(0x0062, 0x0001)) == "LABELMAP";
 }
 
 /* Takes frames of one place that differ only in InstanceNumber, if the file has their number. */
@@ -427,7 +412,7 @@ bool read_dicom(const std::string &path, DicomFile &file)
     reader.SetFileName(path.c_str());
     if (!reader.ReadUpToTag(samples, {samples}) && !is_whole_deflated(path)) {
         if (has_mark_of_dicom(path))
-            fail(ISO_E_FORMAT, path + ": a DICOM file that is damaged");
+            fail(ISO_E_FORMAT, path + ": a DICOM file that is damaged, or of a transfer syntax that GDCM lacks");
         return false;
     }
     const DataSet &all = reader.GetFile().GetDataSet();
@@ -443,9 +428,10 @@ bool read_dicom(const std::string &path, DicomFile &file)
     file.instance = text_in(&all, Tag(0x0008, 0x0018));
     const Numbers number = decimals_in(&all, Tag(0x0020, 0x0013));
     file.number = number.size() == 1 ? number[0] : NAN;
-    check_kind(all, file);
     take_samples(all, file);
+    take_coding(all, file);
     take_frames(all, file);
+    take_segments(all, file);
     take_repetition(all, file);
     return true;
 }

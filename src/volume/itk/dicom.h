@@ -9,6 +9,7 @@
 #ifndef ISO_VOLUME_ITK_DICOM_H
 #define ISO_VOLUME_ITK_DICOM_H
 
+#include "volume/itk/dicom_color.h"
 #include "volume/itk/stack.h"
 
 struct DicomFrame {
@@ -16,6 +17,12 @@ struct DicomFrame {
     bool has_place = false;
     Vector u{1, 0, 0}, v{0, 1, 0}; /* from pixel to pixel in a row, and from row to row */
     double slope = 1, intercept = 0;
+    unsigned segment = 0; /* its number; 0: none, as in all files but segmentations */
+};
+
+struct DicomSegment {
+    unsigned number;
+    std::string name;
 };
 
 enum class Samples { integer, float32, float64 };
@@ -25,12 +32,19 @@ struct DicomFile {
     std::string series, description, instance; /* UIDs, and the series' name */
     double number = 0;                         /* InstanceNumber */
     size_t columns = 0, rows = 0;
+    size_t tiles = 0; /* of a mosaic, in a row; 0: none. A frame is a tile */
+    Coding coding;
+    Palette palette;
+    size_t channels = 1, channel = 0; /* of colors; the one that is given, `channels` for their luminance */
+    /* Samples as they are given, one per pixel: */
     Samples samples = Samples::integer;
     unsigned bits_allocated = 0, bits_stored = 0, high_bit = 0;
     bool is_signed = false;
     double padding = 0; /* PixelPaddingValue, as stored; 0: none, or black */
     bool has_direction = false;
     std::vector<DicomFrame> frames;
+    std::vector<DicomSegment> segments; /* of a segmentation */
+    bool is_label_map = false;          /* True for a segmentation whose samples are numbers of segments */
     std::string unspaced; /* "", or the spacing that is missing in the file */
     std::string warning;  /* "", or a warning for the user */
 };
@@ -43,9 +57,16 @@ bool read_dicom(const std::string &path, DicomFile &file);
 
 /* True if the deflated file was read to its end. GDCM reports some of these as damaged. */
 bool is_whole_deflated(const std::string &path);
-/* Returns all samples as stored, frame after frame, in the machine's byte order. */
-std::vector<char> stored_samples(const DicomFile &file);
-size_t stored_frame_bytes(const DicomFile &file);
+/* Chooses what is given of colors. */
+void choose_channel(DicomFile &file, size_t channel);
+/* All samples of a file, as they are coded, in the machine's byte order. */
+struct Coded {
+    Coding coding; /* of decoded samples, which may differ from the file's */
+    std::vector<char> bytes;
+};
+Coded coded_samples(const DicomFile &file);
+/* Returns the samples of a frame, one per pixel: in `coded` if they stand there, else in `own`. */
+const char *frame_samples(const DicomFile &file, const Coded &coded, size_t frame, std::vector<char> &own);
 /* Returns the type that holds the values of all frames: an integer if slopes and intercepts are. */
 iso_type type_of_values(const std::vector<DicomFile> &files);
 /* Converts a stored frame to values of that type. */

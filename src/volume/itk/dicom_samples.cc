@@ -7,25 +7,53 @@
 #include <cmath>
 #include <limits>
 
+#include "volume/itk/dicom_elements.h"
 #include "volume/itk/dicom.h"
 
 namespace {
 
-using gdcm::Tag;
 using gdcm::TransferSyntax;
 
-size_t sample_bytes(const DicomFile &file)
+constexpr char rle[] = "1.2.840.10008.1.2.5";
+
+/* Returns the UID of the transfer syntax, also of one that GDCM does not have. */
+std::string syntax_of(const gdcm::Reader &reader)
 {
-    return file.bits_allocated / 8;
+    return text_in(&reader.GetFile().GetHeader(), Tag(0x0002, 0x0010));
 }
 
-size_t all_bytes(const DicomFile &file)
+/* Returns the pixels of a picture: of a mosaic all tiles. */
+size_t pixels_of(const DicomFile &file)
 {
-    return stored_frame_bytes(file) * file.frames.size();
+    return file.rows * file.columns * (file.tiles ? file.tiles * file.tiles : 1);
+}
+
+size_t pictures_of(const DicomFile &file)
+{
+    return file.tiles ? 1 : file.frames.size();
+}
+
+/* Returns the samples of a picture as they are coded; an odd last pixel of YBR_FULL_422 has a pair of its own. */
+size_t samples_of(const DicomFile &file, const Coding &coding)
+{
+    return coding.color == Color::ybr_half ? (pixels_of(file) + 1) / 2 * 4 : pixels_of(file) * coding.components;
+}
+
+size_t picture_bytes(const DicomFile &file, const Coding &coding)
+{
+    return (samples_of(file, coding) * coding.bits + 7) / 8;
+}
+
+size_t all_bytes(const DicomFile &file, const Coding &coding)
+{
+    return coding.has_whole_bytes ? picture_bytes(file, coding) * pictures_of(file)
+                                  : (samples_of(file, coding) * pictures_of(file) + 7) / 8;
 }
 
 Tag tag_of_samples(const DicomFile &file)
 {
+    if (file.coding.color != Color::gray) /* their luminance is given as float */
+        return Tag(0x7fe0, 0x0010);
     return Tag(0x7fe0, file.samples == Samples::float32 ? 0x0008 : file.samples == Samples::float64 ? 0x0009 : 0x0010);
 }
 
@@ -53,11 +81,18 @@ void turn_words(std::vector<char> &data, size_t sample, size_t word)
     }
 }
 
+/* Turns bytes back that GDCM swapped as words. */
+void turn_bytes(std::vector<char> &data)
+{
+    for (size_t i = 0; i + 1 < data.size(); i += 2)
+        std::swap(data[i], data[i + 1]);
+}
+
 /* Checks the length of the samples. GDCM accepts a file that ends within them and fills in zeros. So this searches the
  * element: its tag, its type if present, and a length that would be right. */
 void check_samples_are_there(const DicomFile &file)
 {
-    const size_t need = all_bytes(file), size = std::filesystem::file_size(file.path);
+    const size_t need = all_bytes(file, file.coding), size = std::filesystem::file_size(file.path);
     std::string head(std::min<size_t>(size, 16 << 20), 0);
     std::ifstream(file.path, std::ios::binary).read(&head[0], static_cast<std::streamsize>(head.size()));
     const std::string tags[] = {{'\xe0', '\x7f', static_cast<char>(tag_of_samples(file).GetElement()), '\0'},
@@ -76,44 +111,127 @@ void check_samples_are_there(const DicomFile &file)
         }
 }
 
-[[noreturn]] void fail_of_size(const DicomFile &file, size_t has)
+[[noreturn]] void fail_of_size(const DicomFile &file, size_t has, size_t needs)
 {
     fail(ISO_E_FORMAT, file.path + ": truncated or damaged: holds " + std::to_string(has) +
-                           " bytes of samples, needs " + std::to_string(all_bytes(file)));
+                           " bytes of samples, needs " + std::to_string(needs));
 }
 
 /* Returns samples that are not compressed, in the machine's byte order. */
-std::vector<char> plain_samples(const DicomFile &file, const gdcm::ByteValue &value, size_t word)
+Coded plain_samples(const DicomFile &file, const gdcm::ByteValue &value, size_t word)
 {
-    const size_t bytes = all_bytes(file);
+    const size_t bytes = all_bytes(file, file.coding);
     if (value.GetLength() < bytes)
-        fail_of_size(file, value.GetLength());
-    if (word == 2 && sample_bytes(file) == 4)
+        fail_of_size(file, value.GetLength(), bytes);
+    if (word == 2 && file.coding.bits == 32)
         fail(ISO_E_FORMAT, file.path +
                                ": big-endian samples of 32 bits, of which programs write the 16-bit words in "
                                "different orders; convert the file to little endian with the program that wrote it");
     check_samples_are_there(file);
-    std::vector<char> data(value.GetPointer(), value.GetPointer() + bytes);
-    turn_words(data, sample_bytes(file), word);
-    return data;
+    Coded coded{file.coding, {value.GetPointer(), value.GetPointer() + bytes}};
+    if (word == 2 && file.coding.bits < 16)
+        turn_bytes(coded.bytes);
+    turn_words(coded.bytes, file.coding.bits / 8, word);
+    return coded;
 }
 
-std::vector<char> unpacked_samples(const DicomFile &file)
+/* Returns the coding of GDCM's decoded samples. Its decoder of JPEG 2000 undoes YBR_RCT and YBR_ICT. */
+Coding decoded_coding(const DicomFile &file, const gdcm::Pixmap &image)
 {
-    const size_t bytes = all_bytes(file);
+    using gdcm::PhotometricInterpretation;
+    Coding coding = file.coding;
+    const PhotometricInterpretation color = image.GetPhotometricInterpretation();
+    if (coding.components == 1)
+        return coding;
+    coding.is_in_planes = image.GetPlanarConfiguration() == 1;
+    coding.color = color == PhotometricInterpretation::YBR_FULL || color == PhotometricInterpretation::YBR_FULL_422
+                       ? Color::ybr
+                       : Color::rgb;
+    return coding;
+}
+
+Coded unpacked_samples(const DicomFile &file)
+{
     gdcm::PixmapReader reader;
     reader.SetFileName(file.path.c_str());
-    if (file.high_bit + 1 != file.bits_stored)
+    if (file.samples == Samples::integer && file.channels == 1 && file.high_bit + 1 != file.bits_stored)
         fail(ISO_E_FORMAT, file.path + ": compressed samples whose HighBit is not BitsStored - 1, which is not read");
     if (!reader.Read())
         fail(ISO_E_FORMAT, file.path + ": GDCM: its compressed samples are damaged, or of a kind that is not read");
     const gdcm::Pixmap &image = reader.GetPixmap();
+    Coded coded{decoded_coding(file, image), {}};
+    const size_t bytes = all_bytes(file, coded.coding);
     if (image.GetBufferLength() != bytes)
-        fail_of_size(file, image.GetBufferLength());
-    std::vector<char> data(bytes);
-    if (!image.GetBuffer(data.data()) || image.GetBufferLength() != bytes)
+        fail_of_size(file, image.GetBufferLength(), bytes);
+    coded.bytes.resize(bytes);
+    if (!image.GetBuffer(coded.bytes.data()) || image.GetBufferLength() != bytes)
         fail(ISO_E_FORMAT, file.path + ": GDCM: its compressed samples are damaged, or of a kind that is not read");
-    return data;
+    return coded;
+}
+
+/* Unpacks PackBits, up to `most` bytes (PS3.5 G.3). */
+std::vector<char> unpack_bits(const char *data, size_t size, size_t most)
+{
+    std::vector<char> out;
+    for (size_t at = 0; at < size && out.size() < most;) {
+        const int n = static_cast<signed char>(data[at++]);
+        const size_t count = static_cast<size_t>(n < 0 ? 1 - n : n + 1);
+        if (n == -128)
+            continue;
+        if (n < 0 && at < size)
+            out.insert(out.end(), count, data[at++]);
+        else if (n >= 0) {
+            out.insert(out.end(), data + at, data + std::min(size, at + count));
+            at += count;
+        }
+    }
+    out.resize(std::min(out.size(), most));
+    return out;
+}
+
+/* Unpacks a frame of RLE (PS3.5 G.5): the number of segments, their places in 15 words, then a segment for each byte of
+ * a sample, the highest first, and each component. Components come in planes. */
+std::vector<char> unpack_rle(const char *data, size_t size, const Coding &coding, size_t bytes)
+{
+    constexpr size_t head = 64;
+    const size_t n = coding.bits == 1 ? 1 : coding.bits / 8, segments = coding.components * n, each = bytes / segments;
+    uint32_t words[16] = {};
+    if (size < head)
+        return {};
+    memcpy(words, data, sizeof words);
+    std::vector<char> out(each * segments);
+    for (size_t s = 0; s < segments; ++s) {
+        const size_t from = s + 1 < 16 ? words[s + 1] : size;
+        const auto segment = unpack_bits(data + std::min(from, size), size - std::min(from, size), each);
+        if (words[0] != segments || segment.size() < each)
+            return {};
+        for (size_t i = 0; i < each; ++i)
+            out[(s / n * each + i) * n + n - 1 - s % n] = segment[i];
+    }
+    return out;
+}
+
+/* Returns samples that are packed frame by frame and that GDCM does not decode, or not right: bits, and colors by RLE of
+ * 16 bits. */
+Coded unpacked_frames(const DicomFile &file, const gdcm::SequenceOfFragments &fragments, const std::string &syntax)
+{
+    Coded coded{file.coding, {}};
+    coded.coding.has_whole_bytes = coded.coding.is_in_planes = true;
+    if (syntax != rle || fragments.GetNumberOfFragments() != file.frames.size())
+        fail(ISO_E_FORMAT, file.path + ": samples of " + std::to_string(file.coding.bits) + " bits in " +
+                               std::to_string(fragments.GetNumberOfFragments()) + " fragments of transfer syntax " +
+                               syntax + ", must be RLE with one fragment per frame");
+    const size_t bytes = picture_bytes(file, coded.coding);
+    for (size_t k = 0; k < file.frames.size(); ++k) {
+        const gdcm::ByteValue *value = fragments.GetFragment(k).GetByteValue();
+        const char *data = value ? value->GetPointer() : "";
+        const size_t size = value ? static_cast<size_t>(value->GetLength()) : 0;
+        const auto frame = unpack_rle(data, size, coded.coding, bytes);
+        if (frame.size() < bytes)
+            fail_of_size(file, frame.size(), bytes);
+        coded.bytes.insert(coded.bytes.end(), frame.begin(), frame.end());
+    }
+    return coded;
 }
 
 template <typename T> T sample_at(const char *stored, size_t i)
@@ -127,7 +245,7 @@ template <typename T> T sample_at(const char *stored, size_t i)
 double integer_of(const DicomFile &file, const char *stored, size_t i)
 {
     const unsigned bits = file.bits_stored;
-    uint64_t word = file.bits_allocated == 8    ? sample_at<uint8_t>(stored, i)
+    uint64_t word = file.bits_allocated <= 8    ? sample_at<uint8_t>(stored, i)
                     : file.bits_allocated == 16 ? sample_at<uint16_t>(stored, i)
                                                 : sample_at<uint32_t>(stored, i);
     word = (word >> (file.high_bit + 1 - bits)) & ((UINT64_C(1) << bits) - 1);
@@ -210,30 +328,83 @@ bool is_whole_deflated(const std::string &path)
     return result == Z_STREAM_END;
 }
 
-size_t stored_frame_bytes(const DicomFile &file)
+void choose_channel(DicomFile &file, size_t channel)
 {
-    return file.rows * file.columns * sample_bytes(file);
+    const Coding &coding = file.coding;
+    const unsigned bits = coding.color == Color::palette ? file.palette.bits : coding.bits;
+    file.channel = channel;
+    if (coding.color == Color::gray)
+        return;
+    const bool is_luminance = channel >= 3;
+    file.samples = is_luminance ? Samples::float32 : Samples::integer;
+    file.bits_allocated = is_luminance ? 32 : bits;
+    file.bits_stored = bits;
+    file.high_bit = bits - 1;
+    file.is_signed = false;
+    file.padding = 0;
 }
 
-std::vector<char> stored_samples(const DicomFile &file)
+Coded coded_samples(const DicomFile &file)
 {
     /* Decoders keep several copies of their output. */
-    const ParseMemory memory(bytes_to_parse(file.path) + 4 * static_cast<double>(all_bytes(file)));
+    const ParseMemory memory(bytes_to_parse(file.path) + 4 * static_cast<double>(all_bytes(file, file.coding)));
     gdcm::Reader reader;
     reader.SetFileName(file.path.c_str());
     const Tag tag = tag_of_samples(file);
     if (!reader.Read() && !is_whole_deflated(file.path))
-        fail(ISO_E_FORMAT, file.path + ": a DICOM file that is damaged");
+        fail(ISO_E_FORMAT, file.path + ": a DICOM file that is damaged, or of a transfer syntax that GDCM lacks");
     const gdcm::DataSet &all = reader.GetFile().GetDataSet();
     if (!all.FindDataElement(tag))
         fail(ISO_E_FORMAT, file.path + ": holds no samples");
     const gdcm::DataElement &element = all.GetDataElement(tag);
+    const TransferSyntax syntax = reader.GetFile().GetHeader().GetDataSetTransferSyntax();
     if (const gdcm::ByteValue *value = element.GetByteValue())
-        return plain_samples(file, *value,
-                             swapped_bytes(element, reader.GetFile().GetHeader().GetDataSetTransferSyntax()));
-    if (file.samples != Samples::integer)
+        return plain_samples(file, *value, swapped_bytes(element, syntax));
+    if (file.coding.color == Color::gray && file.samples != Samples::integer)
         fail(ISO_E_FORMAT, file.path + ": compressed floats, not supported in this format");
-    return unpacked_samples(file);
+    const gdcm::SequenceOfFragments *fragments = element.GetSequenceOfFragments();
+    const std::string uid = syntax_of(reader);
+    const bool is_ours = file.coding.bits == 1 || (uid == rle && file.coding.components > 1);
+    return is_ours && fragments ? unpacked_frames(file, *fragments, uid) : unpacked_samples(file);
+}
+
+namespace {
+
+/* Writes the bits of a frame as bytes; the lowest bit of a byte comes first. */
+void spread_bits(const char *bits, size_t first, size_t count, char *out)
+{
+    for (size_t i = 0; i < count; ++i)
+        out[i] = static_cast<char>((static_cast<unsigned char>(bits[(first + i) / 8]) >> ((first + i) % 8)) & 1);
+}
+
+void cut_tile(const DicomFile &file, const char *picture, size_t tile, size_t sample, std::vector<char> &out)
+{
+    const size_t row = file.columns * sample, across = file.tiles * row;
+    out.resize(row * file.rows);
+    const char *from = picture + tile / file.tiles * file.rows * across + tile % file.tiles * row;
+    for (size_t y = 0; y < file.rows; ++y)
+        memcpy(&out[y * row], from + y * across, row);
+}
+
+} // namespace
+
+const char *frame_samples(const DicomFile &file, const Coded &coded, size_t frame, std::vector<char> &own)
+{
+    const size_t pixels = file.rows * file.columns, bytes = picture_bytes(file, coded.coding);
+    if (file.tiles && coded.coding.color == Color::gray && coded.coding.bits >= 8) {
+        cut_tile(file, coded.bytes.data(), frame, coded.coding.bits / 8, own);
+        return own.data();
+    }
+    const char *at = coded.bytes.data() + (coded.coding.has_whole_bytes ? frame * bytes : 0);
+    if (coded.coding.bits == 1) {
+        own.resize(pixels);
+        spread_bits(at, coded.coding.has_whole_bytes ? 0 : frame * pixels, pixels, own.data());
+    } else if (coded.coding.color != Color::gray) {
+        own.resize(pixels * file.bits_allocated / 8);
+        color_channel(coded.coding, file.palette, at, pixels, file.channel, own.data());
+    } else
+        return at;
+    return own.data();
 }
 
 iso_type type_of_values(const std::vector<DicomFile> &files)

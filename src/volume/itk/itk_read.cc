@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "volume/itk/dicom_segments.h"
 #include "volume/itk/dicom_series.h"
 #include "volume/itk/pictures.h"
 
@@ -24,6 +25,7 @@ public:
     {
         std::vector<Plane> planes;
         const DicomFile &first = files_[0];
+        take_channel(shown, wanted.channel);
         place_by_number(shown);
         for (size_t f = 0; f < files_.size(); ++f)
             for (size_t k = 0; k < files_[f].frames.size(); ++k) {
@@ -61,7 +63,8 @@ private:
     std::vector<DicomFile> files_;
     std::vector<std::pair<size_t, size_t>> from_; /* of each plane, its file and the frame of that */
     std::vector<size_t> order_;                   /* of the planes that are wanted */
-    std::vector<char> stored_;                    /* of the file held_ */
+    Coded coded_;                                 /* of the file held_ */
+    std::vector<char> own_;
     std::vector<Between> slices_;                 /* empty: each plane is a slice */
     size_t held_ = 0, next_ = 0;
 
@@ -69,12 +72,28 @@ private:
     {
         const auto [f, k] = from_[plane];
         const DicomFile &file = files_[f];
-        if (stored_.empty() || held_ != f) {
-            stored_ = {};
-            stored_ = stored_samples(file);
+        if (coded_.bytes.empty() || held_ != f) {
+            coded_ = {};
+            coded_ = coded_samples(file);
             held_ = f;
         }
-        values_of_frame(file, k, stored_.data() + k * stored_frame_bytes(file), header.type, out);
+        values_of_frame(file, k, frame_samples(file, coded_, k, own_), header.type, out);
+    }
+
+    /* Chooses the channel of colors, which all files have. */
+    void take_channel(const std::string &shown, size_t channel)
+    {
+        const size_t channels = files_[0].channels;
+        for (auto &file : files_) {
+            if (file.channels != channels)
+                fail(ISO_E_FORMAT, shown + ": slices of gray and of colors: " + files_[0].path + ", " + file.path);
+            choose_channel(file, channel);
+        }
+        if (channel > (channels > 1 ? channels : 0))
+            fail(ISO_E_RANGE, shown + ": has no such channel");
+        header.channels = channels;
+        header.is_color = channels > 1;
+        header.is_labels = files_[0].is_label_map;
     }
 
     /* Orders slices without positions by their numbers, at the distance of --spacing. */
@@ -176,7 +195,9 @@ void be_silent()
 std::unique_ptr<PlaneReader> open_file(const std::string &path, const Wanted &wanted)
 {
     DicomFile file;
-    if (read_dicom(path, file))
+    if (read_dicom(path, file) && is_of_segments(file))
+        return open_segments(file, wanted.channel);
+    if (!file.frames.empty())
         return std::make_unique<DicomReader>(DicomSeries{"", {file}, ""}, path, wanted);
     if (std::filesystem::path(path).filename() == "DICOMDIR")
         fail(ISO_E_FORMAT, path + ": the index of a folder; give the folder, which stands for all below it");
@@ -192,6 +213,8 @@ std::unique_ptr<PlaneReader> open_reader(const std::string &path, const Wanted &
     if (!std::filesystem::is_directory(path))
         return open_file(path, wanted);
     const DicomSeries series = choose_series(path, wanted.part.empty() ? nullptr : wanted.part.c_str());
+    if (series.files.size() == 1 && is_of_segments(series.files[0]))
+        return open_segments(series.files[0], wanted.channel);
     if (!series.files.empty())
         return std::make_unique<DicomReader>(series, path, wanted);
     if (!wanted.part.empty())
