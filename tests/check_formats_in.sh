@@ -11,10 +11,11 @@ tests_of_formats="nrrd: nrrd matrix_nrrd
 nifti: nifti matrix_nifti
 itk: dicom dicom_rescaled dicom_tilted_gantry dicom_mixed_series dicom_damaged dicom_of_a_length dicom_of_another_vr
 itk: dicom_left_out dicom_uneven dicom_forms dicom_values dicom_faults dicom_multiframe dicom_spacings
+itk: dicom_colors dicom_palettes dicom_segments dicom_mosaic
 itk: png_stack pictures_of_colors missing_number tiff_and_jpeg_stacks
 metaimage: metaimage
 vtk: vtk_legacy
-vti: vti matrix_vti vti_packers
+vti: vti matrix_vti vti_packers vtk_rectilinear
 pvti: parallel_image
 mgh: mgh
 fits: fits

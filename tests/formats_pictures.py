@@ -7,8 +7,8 @@ import struct
 
 import numpy as np
 
-from phantom import (FIRST, SIZE, SPACING, STEPS, case, cut, expect, must_choose, phantom, refused, run, same,
-                     vtk_array, vtk_colors, vtk_image, vtk_write)
+from phantom import (FIRST, SIZE, SPACING, STEPS, build, case, cut, expect, must_choose, phantom, read_samples, refused,
+                     run, same, vtk_array, vtk_colors, vtk_image, vtk_write)
 
 
 @case
@@ -171,6 +171,87 @@ def vtk_legacy():
             refused("text.vtk", 4, why)
         else:
             same("text.vtk", np.arange(1, 9, dtype=np.float32).reshape(2, 2, 2), np.eye(3), np.zeros(3), False)
+
+
+def rectilinear(values, axes, of_cells):
+    import vtk
+    grid = vtk.vtkRectilinearGrid()
+    grid.SetDimensions([len(at) for at in axes])
+    for at, name in zip(axes, "XYZ"):
+        getattr(grid, f"Set{name}Coordinates")(vtk_array(at))
+    scalars = vtk_array(values.ravel())
+    scalars.SetName("s")
+    (grid.GetCellData() if of_cells else grid.GetPointData()).SetScalars(scalars)
+    return grid
+
+
+def rectilinear_writers():
+    import vtk
+    for text in False, True:
+        writer = vtk.vtkRectilinearGridWriter()
+        (writer.SetFileTypeToASCII if text else writer.SetFileTypeToBinary)()
+        yield writer, "grid.vtk"
+    for mode, encode, pack, big in ((0, False, False, False), (1, False, True, False), (2, False, False, True), (2, True, True, False)):
+        writer = vtk.vtkXMLRectilinearGridWriter()
+        writer.SetDataMode(mode)
+        writer.SetEncodeAppendedData(encode)
+        (writer.SetCompressorTypeToZLib if pack else writer.SetCompressorTypeToNone)()
+        (writer.SetByteOrderToBigEndian if big else writer.SetByteOrderToLittleEndian)()
+        yield writer, "grid.vtr"
+
+
+def resampled(values, axes, of_cells):
+    """Linear along one axis after the other, at the smallest step: what --resample makes. Values, steps, first sample."""
+    steps, first = [], []
+    for a, at in enumerate(axes):
+        least, length = np.diff(at).min(), at[-1] - at[0]
+        count = int(round(length / least)) + (not of_cells)
+        step = length / (count - (not of_cells))
+        new = at[0] + step * (np.arange(count) + 0.5 * of_cells)
+        old = (at[1:] + at[:-1]) / 2 if of_cells else at
+        values = np.apply_along_axis(lambda row: np.interp(new, old, row), 2 - a, values)  # noqa: B023
+        steps.append(step)
+        first.append(new[0])
+    return values, np.diag(steps), np.array(first)
+
+
+@case
+def vtk_rectilinear():
+    """Even grids as they stand; uneven ones refused, taken for even, or interpolated, of points and of cells."""
+    for of_cells in False, True:
+        values = np.round(phantom(np.float32))
+        more = 1 if of_cells else 0
+        even = [np.arange(n + more) * SPACING[a] + 1 - more * SPACING[a] / 2 for a, n in enumerate(values.shape[::-1])]
+        uneven = [at.copy() for at in even]
+        uneven[0][4:] += 0.75
+        uneven[2][2:] += 5
+        wanted, steps, first = resampled(values.astype(float), uneven, of_cells)
+        expect(wanted.shape == (9, 13, 12), f"the test makes {wanted.shape}")
+        for writer, name in rectilinear_writers():
+            vtk_write(writer, rectilinear(values, even, of_cells), name)
+            same(name, values, np.diag(SPACING), [1, 1, 1], False)
+            vtk_write(writer, rectilinear(values, uneven, of_cells), name)
+            refused(name, 4, "the steps of its x axis are 0.75 to 1.5, must be equal within 1 %; --resample interpolates")
+            level, got = build(name, ["--resample"])
+            got_steps = np.array(level["geometry"]["index_to_world"]).reshape(3, 3)
+            got_first = np.array(level["geometry"]["origin_mm"]) + got_steps @ [0.5, 0.5, 0.5]
+            told = run("info", name, "--resample").stderr
+            expect("12 x 13 x 9 samples are interpolated of 11 x 13 x 7" in told, told)
+            expect(got.shape == wanted.shape and np.allclose(got, wanted, rtol=1e-6, atol=1e-3), f"{name}: values of --resample")
+            expect(not np.allclose(got[:, :, :11], values[[0] * 9, :, :], atol=1), "the values do not tell")  # the test's power
+            expect(np.allclose(got_steps, steps) and np.allclose(got_first, first), f"{name}: {got_steps} {got_first}")
+            forced = read_samples(name, ["--force-spacing"])
+            expect(np.array_equal(forced, values), f"{name}: --force-spacing")
+    ints = phantom(np.int16)
+    uneven = [at[:n] for at, n in zip(uneven, ints.shape[::-1])]
+    vtk_write(writer, rectilinear(ints, uneven, False), "grid.vtr")
+    got = read_samples("grid.vtr", ["--resample"])
+    expect(got.dtype == np.int16 and np.abs(got - resampled(ints.astype(float), uneven, False)[0]).max() <= 0.5, "rounded integers")
+    far = [uneven[0], uneven[1], np.array([0, 1e-4, 1, 2, 3, 4, 5])]
+    vtk_write(writer, rectilinear(ints, far, False), "grid.vtr")
+    refused("grid.vtr", 4, "--resample would make", ["--resample"])
+    cut("grid.vtr", "cut.vtr", 0.5)
+    refused("cut.vtr", 4, "cut.vtr: ")
 
 
 @case

@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
-#include "volume/stream_kernel.h"
+#include "volume/reader.h"
 
 enum { LINE_BYTES = 4096 };
 
@@ -30,18 +30,6 @@ static bool is_true(const char *text)
     return *text == 'T' || *text == 't' || *text == '1';
 }
 
-static int numbers(const char *text, double *out, int most)
-{
-    int count = 0;
-    char *end;
-    for (; count < most; ++count, text = end) {
-        out[count] = strtod(text, &end);
-        if (end == text)
-            break;
-    }
-    return count;
-}
-
 /* Reads one line of the header. Ignores keys that do not describe the volume. */
 static void take(metaimage *m, const char *key, const char *value)
 {
@@ -49,9 +37,9 @@ static void take(metaimage *m, const char *key, const char *value)
     static const char *const turns[] = {"TransformMatrix", "Rotation", "Orientation"};
     double list[16];
     for (int i = 0; i < 3; ++i) {
-        if (strcmp(key, places[i]) == 0 && numbers(value, list, 3) == 3)
+        if (strcmp(key, places[i]) == 0 && iso_reader_numbers(value, list, 3) == 3)
             memcpy(m->first, list, sizeof m->first);
-        const int count = strcmp(key, turns[i]) == 0 ? numbers(value, list, 16) : 0;
+        const size_t count = strcmp(key, turns[i]) == 0 ? iso_reader_numbers(value, list, 16) : 0;
         const int axes = count == 9 ? 3 : count == 16 ? 4 : 0; /* of four axes those of space come first */
         for (int a = 0; a < 3 && axes; ++a)
             memcpy(m->steps[a], list + a * axes, sizeof m->steps[a]);
@@ -62,11 +50,11 @@ static void take(metaimage *m, const char *key, const char *value)
         m->axes = atoi(value);
     else if (strcmp(key, "DimSize") == 0) {
         double sizes[8];
-        const int count = numbers(value, sizes, 8);
-        for (int a = 0; a < count; ++a)
+        const size_t count = iso_reader_numbers(value, sizes, 8);
+        for (size_t a = 0; a < count; ++a)
             m->size[a] = sizes[a] >= 1 && sizes[a] < 1e18 ? (size_t)sizes[a] : 0;
     } else if (strcmp(key, "ElementSpacing") == 0 || (strcmp(key, "ElementSize") == 0 && !m->has_spacing))
-        m->has_spacing = numbers(value, m->spacing, 4) >= 3;
+        m->has_spacing = iso_reader_numbers(value, m->spacing, 4) >= 3;
     else if (strcmp(key, "ElementType") == 0)
         snprintf(m->type, sizeof m->type, "%s", value);
     else if (strcmp(key, "ElementNumberOfChannels") == 0)
@@ -127,34 +115,6 @@ static iso_status choose(const metaimage *m, iso_volume_source *source, iso_erro
         .channel = {.count = (size_t)m->channels, .inside = true, .stride = 1},
     };
     return iso_source_choose(source, &axes, err);
-}
-
-static bool take_type(const char *name, iso_volume_source *source)
-{
-    static const struct {
-        const char *name;
-        iso_type type;
-        iso_form form;
-    } types[] = {{"MET_UCHAR", ISO_U8, 0},
-                 {"MET_CHAR", ISO_I8, 0},
-                 {"MET_USHORT", ISO_U16, 0},
-                 {"MET_SHORT", ISO_I16, 0},
-                 {"MET_UINT", ISO_U32, 0},
-                 {"MET_INT", ISO_I32, 0},
-                 {"MET_ULONG", ISO_U32, 0},
-                 {"MET_LONG", ISO_I32, 0},
-                 {"MET_FLOAT", ISO_F32, 0},
-                 {"MET_DOUBLE", ISO_F64, 0},
-                 {"MET_LONG_LONG", ISO_F64, ISO_FORM_I64},
-                 {"MET_ULONG_LONG", ISO_F64, ISO_FORM_U64}};
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
-        if (strcmp(types[i].name, name) == 0) {
-            source->header.type = types[i].type;
-            if (types[i].form)
-                iso_source_set_form(source, types[i].form);
-            return true;
-        }
-    return false;
 }
 
 static iso_status check_header(metaimage *m, const char *path, iso_error *err)
@@ -235,7 +195,7 @@ static iso_status open_metaimage(iso_volume_source *source, iso_error *err)
     metaimage m;
     iso_status status = read_header(source->path, &m, err);
     TRY(status, check_header(&m, source->path, err));
-    if (status == ISO_OK && !take_type(m.type, source))
+    if (status == ISO_OK && !iso_reader_take_type(source, m.type, strlen(m.type)))
         status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
                           m.type);
     TRY(status, take_geometry(&m, source, err));

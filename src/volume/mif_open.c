@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "base/file.h"
 #include "volume/reader.h"
@@ -115,34 +114,14 @@ static iso_status choose_frame(const mif *m, iso_volume_source *source, iso_erro
 
 static iso_status take_type(const char *text, iso_volume_source *source, iso_error *err)
 {
-    static const struct {
-        const char *name;
-        iso_type type;
-        iso_form form;
-    } types[] = {{"Int8", ISO_I8, 0},
-                 {"UInt8", ISO_U8, 0},
-                 {"Int16", ISO_I16, 0},
-                 {"UInt16", ISO_U16, 0},
-                 {"Int32", ISO_I32, 0},
-                 {"UInt32", ISO_U32, 0},
-                 {"Float32", ISO_F32, 0},
-                 {"Float64", ISO_F64, 0},
-                 {"Float16", ISO_U16, ISO_FORM_HALF},
-                 {"Int64", ISO_F64, ISO_FORM_I64},
-                 {"UInt64", ISO_F64, ISO_FORM_U64}};
     const char *name = iso_reader_value(text, "datatype:");
     const size_t length = name ? strcspn(name, " \r\n") : 0;
     const bool is_big = length > 2 && strncmp(name + length - 2, "BE", 2) == 0,
                is_ordered = is_big || (length > 2 && strncmp(name + length - 2, "LE", 2) == 0);
-    for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
-        if (length - (is_ordered ? 2 : 0) == strlen(types[i].name) &&
-            strncasecmp(name, types[i].name, strlen(types[i].name)) == 0) {
-            source->header.type = types[i].type;
-            if (types[i].form)
-                iso_source_set_form(source, types[i].form);
-            source->swap_bytes = is_ordered && is_big == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
-            return ISO_OK;
-        }
+    if (iso_reader_take_type(source, name ? name : "", length - (is_ordered ? 2 : 0))) {
+        source->swap_bytes = is_ordered && is_big == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+        return ISO_OK;
+    }
     return iso_fail(err, ISO_E_FORMAT, "%s: its type is \"%.*s\", must be an integer or float of 8 to 64 bits",
                     source->path, (int)length, name ? name : "");
 }

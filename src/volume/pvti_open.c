@@ -18,21 +18,10 @@ typedef struct pvti {
     unsigned char *is_filled; /* of each sample */
 } pvti;
 
-/* Finds the text of an attribute within the tag at `tag`; false: it has none. */
-static bool attribute(const char *tag, const char *name, char *out, size_t size)
-{
-    const char *end = strchr(tag, '>'), *at = strstr(tag, name);
-    const size_t length = strlen(name);
-    if (!at || !end || at > end || at[length] != '"')
-        return false;
-    snprintf(out, size, "%.*s", (int)strcspn(at + length + 1, "\""), at + length + 1);
-    return true;
-}
-
 static bool read_extent(const char *tag, const char *name, long e[6])
 {
     char word[NAME_BYTES];
-    return attribute(tag, name, word, sizeof word) &&
+    return iso_reader_attribute(tag, name, word, sizeof word) &&
            sscanf(word, "%18ld %18ld %18ld %18ld %18ld %18ld", &e[0], &e[1], &e[2], &e[3], &e[4], &e[5]) == 6 &&
            e[0] <= e[1] && e[2] <= e[3] && e[4] <= e[5];
 }
@@ -127,7 +116,7 @@ static double bytes_of_pieces(const char *text, const char *path)
     double bytes = 0;
     struct stat st;
     for (const char *tag = text; (tag = strstr(tag, "<Piece ")); ++tag)
-        if (attribute(tag, "Source=", name, sizeof name) &&
+        if (iso_reader_attribute(tag, "Source", name, sizeof name) &&
             asprintf(&file, "%.*s%s", (int)(iso_path_base(path) - path), path, name) >= 0) {
             bytes += stat(file, &st) == 0 ? (double)st.st_size : 0;
             free(file);
@@ -144,7 +133,7 @@ static iso_status read_pieces(pvti *p, const char *text, iso_volume_source *whol
     iso_status status = ISO_OK;
     for (const char *tag = text; status == ISO_OK && (tag = strstr(tag, "<Piece ")); ++tag) {
         iso_volume_source *piece;
-        if (++pieces > MOST_PIECES || !read_extent(tag, " Extent=", e) || !attribute(tag, "Source=", name, sizeof name))
+        if (++pieces > MOST_PIECES || !read_extent(tag, "Extent", e) || !iso_reader_attribute(tag, "Source", name, sizeof name))
             return iso_fail(err, ISO_E_FORMAT, "%s: damaged: piece %zu has no extent and source, or is one of too many",
                             whole->path, pieces);
         status = open_piece(whole, name, &piece, err);
@@ -173,7 +162,7 @@ static iso_status open_pvti(iso_volume_source *source, iso_error *err)
                         (double)st.st_size, MOST_BYTES);
     iso_status status = iso_file_read(source->path, &text, &size, err);
     const char *image = status == ISO_OK ? strstr(text, "<PImageData") : NULL;
-    if (status == ISO_OK && (!image || !read_extent(image, "WholeExtent=", p.extent)))
+    if (status == ISO_OK && (!image || !read_extent(image, "WholeExtent", p.extent)))
         status = iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no PImageData with a WholeExtent", source->path);
     TRY(status, read_pieces(&p, text, source, err));
     free(p.is_filled);

@@ -2,9 +2,11 @@
 #define _GNU_SOURCE
 #include "volume/reader.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 iso_status iso_reader_head(const char *path, char *head, size_t bytes, size_t *got, iso_error *err)
 {
@@ -68,6 +70,48 @@ const char *iso_reader_value(const char *text, const char *key)
             return line + length + strspn(line + length, " \t");
     }
     return NULL;
+}
+
+bool iso_reader_attribute(const char *tag, const char *name, char *out, size_t size)
+{
+    const char *end = tag ? strchr(tag, '>') : NULL;
+    const size_t length = strlen(name);
+    for (const char *at = tag; end && (at = strstr(at, name)) && at < end; at += length)
+        if (isspace((unsigned char)at[-1]) && at[length] == '=' && (at[length + 1] == '"' || at[length + 1] == '\'')) {
+            const char quote[2] = {at[length + 1], 0};
+            snprintf(out, size, "%.*s", (int)strcspn(at + length + 2, quote), at + length + 2);
+            return true;
+        }
+    *out = 0;
+    return false;
+}
+
+bool iso_reader_take_type(iso_volume_source *source, const char *word, size_t length)
+{
+    static const struct {
+        const char *words; /* each between two spaces */
+        iso_type type;
+        iso_form form;
+    } types[] = {{" uint8 unsigned_char met_uchar ", ISO_U8, 0},
+                 {" int8 char signed_char met_char ", ISO_I8, 0},
+                 {" uint16 unsigned_short met_ushort ", ISO_U16, 0},
+                 {" int16 short met_short ", ISO_I16, 0},
+                 {" uint32 unsigned_int met_uint met_ulong ", ISO_U32, 0},
+                 {" int32 int met_int met_long ", ISO_I32, 0},
+                 {" float32 float met_float ", ISO_F32, 0},
+                 {" float64 double met_double ", ISO_F64, 0},
+                 {" float16 ", ISO_F32, ISO_FORM_HALF},
+                 {" int64 vtktypeint64 met_long_long ", ISO_F64, ISO_FORM_I64},
+                 {" uint64 vtktypeuint64 met_ulong_long ", ISO_F64, ISO_FORM_U64}};
+    for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
+        for (const char *at = types[i].words; *at && length > 0; ++at)
+            if (at[0] == ' ' && strncasecmp(at + 1, word, length) == 0 && at[1 + length] == ' ') {
+                source->header.type = types[i].type;
+                if (types[i].form)
+                    iso_source_set_form(source, types[i].form);
+                return true;
+            }
+    return false;
 }
 
 size_t iso_reader_numbers(const char *text, double *out, size_t most)

@@ -23,6 +23,12 @@ double iso_reader_float(const unsigned char *at);
 /* Returns the text after the line's key and sign, such as "dim:", without spaces; NULL: no line starts with it. */
 const char *iso_reader_value(const char *text, const char *key);
 
+/* Finds the text of an attribute of the XML tag that starts at `tag`, which may be NULL; false, and "": it has none. */
+bool iso_reader_attribute(const char *tag, const char *name, char *out, size_t size);
+
+/* Sets the source's type by a format's word for it: of VTK, MetaImage or MRtrix, in any case. False: it is none. */
+bool iso_reader_take_type(iso_volume_source *source, const char *word, size_t length);
+
 /* Reads numbers between spaces or commas; returns their count, at most `most`. */
 size_t iso_reader_numbers(const char *text, double *out, size_t most);
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* vti_open.c - VTK's XML image data (.vti): one piece; its samples appended raw or in base64, inline in base64 or as
+/* vti_open.c - VTK's XML image data (.vti) and rectilinear grids (.vtr, rectilinear.h): one piece; its samples appended raw or in base64, inline in base64 or as
  * text; packed by zlib, LZ4 or LZMA, or not. Samples that are appended raw and not packed are read plane by plane,
  * others at once. */
 #define _GNU_SOURCE
-#include <ctype.h>
 #include <errno.h>
 #include <lz4.h>
 #include <lzma.h>
@@ -11,7 +10,8 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "volume/stream_kernel.h"
+#include "volume/reader.h"
+#include "volume/rectilinear.h"
 
 enum { HEAD_BYTES = 1 << 16, WORD_BYTES = 256 };
 
@@ -55,46 +55,26 @@ static const struct {
                {"vtkLZMADataCompressor", unpack_lzma, 1 << 13}};
 enum { PACKERS = sizeof packers / sizeof *packers };
 
+typedef struct vti_array {
+    const char *text; /* after the tag DataArray */
+    char type[32], format[32];
+    size_t offset;
+} vti_array;
+
 typedef struct vti {
     char *text; /* the file's beginning, or all of it */
     size_t size;
-    const char *array, *appended; /* after the tag DataArray; after the _ of AppendedData */
-    char type[32], format[32], encoding[32];
+    vti_array values;
+    const char *appended; /* after the _ of AppendedData */
+    char encoding[32];
+    iso_rectilinear coordinates;
     long extent[6];
     double origin[3], spacing[3], direction[9]; /* rows of a matrix whose columns are the axes' directions */
-    size_t offset, length_bytes;
+    size_t length_bytes;
     bool big_endian, packed, of_cells;
     size_t packer; /* row of packers, if packed */
     iso_extra_axes axes;
 } vti;
-
-/* Finds the text of an attribute of the tag that starts at `tag`; false if it has none. */
-static bool attribute(const char *tag, const char *name, char *out, size_t size)
-{
-    const char *end = tag ? strchr(tag, '>') : NULL;
-    const size_t length = strlen(name);
-    for (const char *at = tag; end && (at = strstr(at, name)) && at < end; at += length)
-        if (isspace((unsigned char)at[-1]) && at[length] == '=' && (at[length + 1] == '"' || at[length + 1] == '\'')) {
-            const char quote[2] = {at[length + 1], 0};
-            snprintf(out, size, "%.*s", (int)strcspn(at + length + 2, quote), at + length + 2);
-            return true;
-        }
-    *out = 0;
-    return false;
-}
-
-static int numbers(const char *text, double *out, int most)
-{
-    int count = 0;
-    char *end;
-    for (; count < most; ++count, text = end) {
-        const double value = strtod(text, &end);
-        if (end == text)
-            break;
-        out[count] = value;
-    }
-    return count;
-}
 
 /* Reads the file's beginning, or all of it if the first samples are not appended. */
 static iso_status read_text(const char *path, vti *v, iso_error *err)
@@ -123,9 +103,9 @@ static const char *find_array(const char *section)
 {
     char wanted[WORD_BYTES], name[WORD_BYTES];
     const char *first = strstr(section, "<DataArray"), *end = strstr(section + 1, "Data>");
-    attribute(section, "Scalars", wanted, sizeof wanted);
+    iso_reader_attribute(section, "Scalars", wanted, sizeof wanted);
     for (const char *at = first; *wanted && at && (!end || at < end); at = strstr(at + 1, "<DataArray"))
-        if (attribute(at, "Name", name, sizeof name) && strcmp(name, wanted) == 0)
+        if (iso_reader_attribute(at, "Name", name, sizeof name) && strcmp(name, wanted) == 0)
             return at;
     return first;
 }
@@ -134,19 +114,19 @@ static const char *find_array(const char *section)
 static void take_channels(vti *v, const char *array, size_t count)
 {
     char type[16], key[32];
-    attribute(array, "type", type, sizeof type);
+    iso_reader_attribute(array, "type", type, sizeof type);
     v->axes.channel = (iso_extra_axis){.count = count, .inside = true, .stride = 1};
     v->axes.is_color = strcmp(type, "UInt8") == 0 && (count == 3 || count == 4);
     for (size_t c = 0; c < count && c < ISO_NAMED_CHANNELS; ++c) {
         snprintf(key, sizeof key, "ComponentName%zu", c);
-        attribute(array, key, v->axes.channel_name[c], sizeof v->axes.channel_name[c]);
+        iso_reader_attribute(array, key, v->axes.channel_name[c], sizeof v->axes.channel_name[c]);
     }
 }
 
 static iso_status take_packer(const char *file, const char *path, vti *v, iso_error *err)
 {
     char word[WORD_BYTES];
-    v->packed = attribute(file, "compressor", word, sizeof word);
+    v->packed = iso_reader_attribute(file, "compressor", word, sizeof word);
     while (v->packed && v->packer < PACKERS && strcmp(word, packers[v->packer].name) != 0)
         ++v->packer;
     return v->packer < PACKERS
@@ -159,8 +139,8 @@ static iso_status take_extent(const char *image, const char *tag, bool is_piece,
                               iso_error *err)
 {
     char word[WORD_BYTES], piece[WORD_BYTES];
-    const bool has_own = attribute(tag, "Extent", piece, sizeof piece);
-    if (!attribute(image, "WholeExtent", word, sizeof word))
+    const bool has_own = iso_reader_attribute(tag, "Extent", piece, sizeof piece);
+    if (!iso_reader_attribute(image, "WholeExtent", word, sizeof word))
         *word = 0;
     if (has_own && strcmp(piece, word) != 0 && !is_piece)
         return iso_fail(err, ISO_E_FORMAT, "%s: its first piece is not the whole, which is not read", path);
@@ -170,11 +150,24 @@ static iso_status take_extent(const char *image, const char *tag, bool is_piece,
     return ISO_OK;
 }
 
+static vti_array take_array(const char *tag)
+{
+    vti_array a = {.text = strchr(tag, '>')};
+    char word[WORD_BYTES];
+    iso_reader_attribute(tag, "type", a.type, sizeof a.type);
+    iso_reader_attribute(tag, "format", a.format, sizeof a.format);
+    if (iso_reader_attribute(tag, "offset", word, sizeof word))
+        a.offset = strtoull(word, NULL, 10);
+    return a;
+}
+
 static iso_status parse(vti *v, const char *path, bool is_piece, iso_error *err)
 {
     char word[WORD_BYTES];
     double list[9];
-    const char *file = strstr(v->text, "<VTKFile"), *image = strstr(v->text, "<ImageData");
+    const char *file = strstr(v->text, "<VTKFile"), *image = strstr(v->text, "<ImageData"),
+               *coordinates = strstr(v->text, "<Coordinates");
+    image = image ? image : strstr(v->text, "<RectilinearGrid");
     const char *data = image ? strstr(image, "<PointData") : NULL, *tag = strstr(v->text, "<Piece");
     const char *array = data ? find_array(data) : NULL;
     const char *cells = image ? strstr(image, "<CellData") : NULL;
@@ -182,8 +175,9 @@ static iso_status parse(vti *v, const char *path, bool is_piece, iso_error *err)
         array = find_array(cells);
         v->of_cells = true;
     }
+    array = coordinates && array > coordinates ? NULL : array;
     if (!file || !image || !tag || !array)
-        return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no image data with an array in it", path);
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no grid with an array in it", path);
     iso_status status = take_extent(image, tag, is_piece, path, v, err);
     TRY(status, take_packer(file, path, v, err));
     if (status != ISO_OK)
@@ -192,69 +186,51 @@ static iso_status parse(vti *v, const char *path, bool is_piece, iso_error *err)
         v->direction[a] = a % 4 == 0;
     for (int a = 0; a < 3; ++a)
         v->spacing[a] = 1;
-    if (attribute(image, "Origin", word, sizeof word))
-        numbers(word, v->origin, 3);
-    if (attribute(image, "Spacing", word, sizeof word))
-        numbers(word, v->spacing, 3);
-    if (attribute(image, "Direction", word, sizeof word) && numbers(word, list, 9) == 9)
+    if (iso_reader_attribute(image, "Origin", word, sizeof word))
+        iso_reader_numbers(word, v->origin, 3);
+    if (iso_reader_attribute(image, "Spacing", word, sizeof word))
+        iso_reader_numbers(word, v->spacing, 3);
+    if (iso_reader_attribute(image, "Direction", word, sizeof word) && iso_reader_numbers(word, list, 9) == 9)
         memcpy(v->direction, list, sizeof list);
-    attribute(file, "byte_order", word, sizeof word);
+    iso_reader_attribute(file, "byte_order", word, sizeof word);
     v->big_endian = strcmp(word, "BigEndian") == 0;
-    attribute(file, "header_type", word, sizeof word);
+    iso_reader_attribute(file, "header_type", word, sizeof word);
     v->length_bytes = strcmp(word, "UInt64") == 0 ? 8 : 4;
-    if (attribute(array, "NumberOfComponents", word, sizeof word) && atoi(word) > 1)
+    if (iso_reader_attribute(array, "NumberOfComponents", word, sizeof word) && atoi(word) > 1)
         take_channels(v, array, (size_t)atoi(word));
-    attribute(array, "type", v->type, sizeof v->type);
-    attribute(array, "format", v->format, sizeof v->format);
-    if (attribute(array, "offset", word, sizeof word))
-        v->offset = strtoull(word, NULL, 10);
+    v->values = take_array(array);
     const char *appended = strstr(v->text, "<AppendedData");
-    attribute(appended, "encoding", v->encoding, sizeof v->encoding);
-    v->array = strchr(array, '>');
+    iso_reader_attribute(appended, "encoding", v->encoding, sizeof v->encoding);
     const char *end = appended ? strchr(appended, '>') : NULL, *mark = end ? strchr(end, '_') : NULL;
     v->appended = mark ? mark + 1 : NULL;
     return ISO_OK;
 }
 
-static bool take_type(const char *name, iso_volume_source *source)
+/* Returns the points along an axis; 0: none, or too many. */
+static size_t points_along(const vti *v, int axis)
 {
-    static const struct {
-        const char *name;
-        iso_type type;
-        iso_form form;
-    } types[] = {{"UInt8", ISO_U8, 0},
-                 {"Int8", ISO_I8, 0},
-                 {"UInt16", ISO_U16, 0},
-                 {"Int16", ISO_I16, 0},
-                 {"UInt32", ISO_U32, 0},
-                 {"Int32", ISO_I32, 0},
-                 {"Float32", ISO_F32, 0},
-                 {"Float64", ISO_F64, 0},
-                 {"UInt64", ISO_F64, ISO_FORM_U64},
-                 {"Int64", ISO_F64, ISO_FORM_I64}};
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
-        if (strcmp(types[i].name, name) == 0) {
-            source->header.type = types[i].type;
-            if (types[i].form)
-                iso_source_set_form(source, types[i].form);
-            return true;
-        }
-    return false;
+    const double points = (double)v->extent[2 * axis + 1] - (double)v->extent[2 * axis] + 1;
+    return points > 0 && points < 0x1p53 ? (size_t)points : 0;
 }
 
-static iso_status take_geometry(const vti *v, iso_volume_source *source, iso_error *err)
+static iso_status take_geometry(vti *v, iso_volume_source *source, iso_error *err)
 {
     iso_geometry *g = &source->header.geometry;
     size_t size[3];
+    const size_t points[3] = {points_along(v, 0), points_along(v, 1), points_along(v, 2)};
     double mm, first[3], spacing[3];
     iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
+    if (status == ISO_OK && v->coordinates.at[0]) {
+        status = iso_rectilinear_measure(&v->coordinates, source, points, v->origin, v->spacing, err);
+        for (int a = 0; a < 3; ++a) /* of the first sample, not of index 0 */
+            v->origin[a] -= (double)v->extent[2 * a] * v->spacing[a];
+    }
     memcpy(spacing, v->spacing, sizeof spacing); /* 1 if the file gives none, as VTK has it */
     TRY(status, iso_source_take_spacing(source, spacing, err));
     if (status != ISO_OK)
         return status;
     for (int a = 0; a < 3; ++a) {
-        const double points = (double)v->extent[2 * a + 1] - (double)v->extent[2 * a] + (v->of_cells ? 0 : 1);
-        size[a] = points > 0 && points < 0x1p53 ? (size_t)points : 0;
+        size[a] = points[a] - (v->of_cells && points[a] > 0);
         first[a] = (double)v->extent[2 * a] - (v->of_cells ? 0 : 0.5);
     }
     *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
@@ -358,7 +334,7 @@ static iso_status take_base64(const vti *v, iso_volume_source *source, const cha
 static iso_status take_text(const vti *v, iso_volume_source *source, iso_error *err)
 {
     /* Up to the next tag, which may follow the last number without a space. */
-    const char *text = v->array + 1;
+    const char *text = v->values.text + 1;
     const size_t rest = v->size - (size_t)(text - v->text);
     const char *tag = memchr(text, '<', rest);
     FILE *f = fmemopen((void *)(size_t)text, tag > text ? (size_t)(tag - text) : rest, "r");
@@ -371,7 +347,7 @@ static iso_status take_text(const vti *v, iso_volume_source *source, iso_error *
 
 static iso_status take_appended(const vti *v, iso_volume_source *source, iso_error *err)
 {
-    const size_t at = (size_t)(v->appended - v->text) + v->offset;
+    const size_t at = (size_t)(v->appended - v->text) + v->values.offset;
     if (strcmp(v->encoding, "raw") == 0 && !v->packed)
         return iso_source_take_part(source, source->path, at + v->length_bytes, err);
     char *all;
@@ -392,14 +368,51 @@ static iso_status take_appended(const vti *v, iso_volume_source *source, iso_err
 static iso_status take_samples(const vti *v, iso_volume_source *source, iso_error *err)
 {
     source->swap_bytes = v->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
-    if (strcmp(v->format, "appended") == 0 && v->appended)
+    if (strcmp(v->values.format, "appended") == 0 && v->appended)
         return take_appended(v, source, err);
-    if (strcmp(v->format, "binary") == 0 && v->array)
-        return take_base64(v, source, v->array + 1, err);
+    if (strcmp(v->values.format, "binary") == 0 && v->values.text)
+        return take_base64(v, source, v->values.text + 1, err);
     source->swap_bytes = false;
-    if (strcmp(v->format, "ascii") == 0 && v->array)
+    if (strcmp(v->values.format, "ascii") == 0 && v->values.text)
         return take_text(v, source, err);
-    return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or an array of format \"%s\"", source->path, v->format);
+    return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or an array of format \"%s\"", source->path, v->values.format);
+}
+
+/* Reads the coordinates of an axis, as the samples of a row. */
+static iso_status read_coordinates(vti *v, const iso_volume_source *source, const char *tag, int axis, iso_error *err)
+{
+    const size_t count = points_along(v, axis);
+    iso_volume_source row = {.path = source->path,
+                             .unpacked.path = source->unpacked.path,
+                             .choice = {.inside_count = 1, .volume_count = 1}};
+    vti own = *v;
+    own.values = take_array(tag);
+    row.header.geometry = iso_geometry_axis_aligned((size_t[]){count, 1, 1}, (double[]){1, 1, 1});
+    iso_status status = iso_reader_take_type(&row, own.values.type, strlen(own.values.type))
+                            ? ISO_OK
+                            : iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\" of coordinates", source->path,
+                                       own.values.type);
+    TRY(status, iso_geometry_check(&row.header.geometry, source->path, err));
+    TRY(status, take_samples(&own, &row, err));
+    TRY(status, iso_rectilinear_take(&v->coordinates, axis, &row, err));
+    if (row.file)
+        fclose(row.file);
+    free(row.preloaded);
+    return status;
+}
+
+/* Reads the coordinates of a rectilinear grid: three arrays. */
+static iso_status take_coordinates(vti *v, const iso_volume_source *source, iso_error *err)
+{
+    const char *tag = strstr(v->text, "<Coordinates");
+    iso_status status = ISO_OK;
+    for (int a = 0; a < 3 && tag && status == ISO_OK; ++a) {
+        tag = strstr(tag + 1, "<DataArray");
+        status = tag ? read_coordinates(v, source, tag, a, err)
+                     : iso_fail(err, ISO_E_FORMAT, "%s: truncated, or without the coordinates of its %c axis",
+                                source->path, 'x' + a);
+    }
+    return status;
 }
 
 static iso_status open_vti(iso_volume_source *source, iso_error *err)
@@ -407,27 +420,32 @@ static iso_status open_vti(iso_volume_source *source, iso_error *err)
     vti v = {0};
     iso_status status = read_text(source->path, &v, err);
     TRY(status, parse(&v, source->path, source->hints.is_piece, err));
-    if (status == ISO_OK && !take_type(v.type, source))
+    if (status == ISO_OK && !iso_reader_take_type(source, v.values.type, strlen(v.values.type)))
         status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
-                          v.type);
+                          v.values.type);
+    TRY(status, take_coordinates(&v, source, err));
     TRY(status, take_geometry(&v, source, err));
     TRY(status, iso_source_choose(source, &v.axes, err));
     TRY(status, take_samples(&v, source, err));
+    TRY(status, iso_rectilinear_resample(&v.coordinates, source, err));
+    iso_rectilinear_destroy(&v.coordinates);
     free(v.text);
     return status;
 }
 
 static bool starts_like_vti(const unsigned char *head, size_t size)
 {
-    return memmem(head, size, "<VTKFile", 8) && memmem(head, size, "\"ImageData\"", 11);
+    return memmem(head, size, "<VTKFile", 8) &&
+           (memmem(head, size, "\"ImageData\"", 11) || memmem(head, size, "\"RectilinearGrid\"", 17));
 }
 
 const iso_volume_format iso_volume_format_vti = {
     .name = "vti",
     .title = "VTK XML",
     .summary =
-        "image data of one piece: appended raw plane by plane, base64, text and packed by zlib, LZ4 or LZMA at once",
-    .suffixes = ".vti .pvd .series .vti.series",
+        "image data and rectilinear grids of one piece: appended raw plane by plane, base64, text and packed by zlib, "
+        "LZ4 or LZMA at once",
+    .suffixes = ".vti .vtr .pvd .series .vti.series",
     .starts = "\"<VTKFile\"",
     .probe = starts_like_vti,
     .open = open_vti,

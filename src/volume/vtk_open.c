@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* vtk_open.c - VTK's legacy files: lines of words, then samples, big-endian or as text. The coordinates of a
- * rectilinear grid have to be evenly spaced within 1 %, or are taken for that by --force-spacing. */
+/* vtk_open.c - VTK's legacy files: lines of words, then samples, big-endian or as text; structured points, and
+ * rectilinear grids (rectilinear.h). */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "volume/stream_kernel.h"
+#include "volume/reader.h"
+#include "volume/rectilinear.h"
 
 enum { LINE_BYTES = 1024, HEADER_LINES = 4096 };
 
@@ -17,8 +18,8 @@ typedef struct vtk_header {
     bool is_text, of_cells, is_color, found;
     int components;
     char dataset[64], type[64];
-    char damaged[24];         /* "", or the coordinates that cannot be read */
-    double least[3], most[3]; /* steps of the coordinates of a rectilinear grid; 0: not given */
+    char damaged[24]; /* "", or the coordinates that cannot be read */
+    iso_rectilinear coordinates;
 } vtk_header;
 
 static bool starts_like_vtk(const unsigned char *head, size_t size)
@@ -48,27 +49,28 @@ static bool read_coordinate(FILE *f, bool is_text, bool is_double, double *value
     return isfinite(*value);
 }
 
-/* Reads "X_COORDINATES 7 float" and the numbers after it: the first is the origin, their mean step the spacing. */
+/* Reads "X_COORDINATES 7 float" and the numbers after it. */
 static void take_coordinates(FILE *f, vtk_header *h, const char *line)
 {
-    enum { MOST = 1 << 24 };
+    enum { MOST = 1 << 24, ROOM = 1024 };
     const int axis = line[0] - 'X';
+    double *at = NULL;
     size_t count = 0;
     char type[16] = "";
-    double value = 0, before = 0;
     sscanf(line, "%*s %18zu %15s", &count, type);
     const bool is_double = strcmp(type, "double") == 0;
-    bool well = (is_double || strcmp(type, "float") == 0) && count >= 1 && count <= MOST;
-    h->least[axis] = (double)INFINITY, h->most[axis] = -(double)INFINITY;
-    for (size_t i = 0; i < count && well; ++i, before = value) {
-        well = read_coordinate(f, h->is_text, is_double, &value);
-        h->origin[axis] = i == 0 ? value : h->origin[axis];
-        h->least[axis] = i > 0 ? fmin(h->least[axis], value - before) : h->least[axis];
-        h->most[axis] = i > 0 ? fmax(h->most[axis], value - before) : h->most[axis];
+    bool well = (is_double || strcmp(type, "float") == 0) && count >= 1 && count <= MOST && !h->coordinates.at[axis];
+    for (size_t i = 0; i < count && well; ++i) {
+        double *more = i % ROOM == 0 ? realloc(at, (i + ROOM) * sizeof *at) : at;
+        at = more ? more : at;
+        well = more && read_coordinate(f, h->is_text, is_double, &at[i]);
     }
     if (!well)
         snprintf(h->damaged, sizeof h->damaged, "%c_COORDINATES", line[0]);
-    h->spacing[axis] = count > 1 ? (value - h->origin[axis]) / (double)(count - 1) : 1;
+    if (h->coordinates.at[axis])
+        free(at);
+    else
+        h->coordinates.at[axis] = at, h->coordinates.count[axis] = count;
 }
 
 /* Reads one line before the samples. found: samples follow the line, or the line LOOKUP_TABLE. */
@@ -131,53 +133,15 @@ static iso_status read_header(FILE *f, const char *path, vtk_header *h, iso_erro
     return ISO_OK;
 }
 
-static bool take_type(const char *name, iso_volume_source *source)
-{
-    static const struct {
-        const char *name;
-        iso_type type;
-        iso_form form;
-    } types[] = {{"unsigned_char", ISO_U8, 0},
-                 {"char", ISO_I8, 0},
-                 {"signed_char", ISO_I8, 0},
-                 {"unsigned_short", ISO_U16, 0},
-                 {"short", ISO_I16, 0},
-                 {"int", ISO_I32, 0},
-                 {"unsigned_int", ISO_U32, 0},
-                 {"float", ISO_F32, 0},
-                 {"double", ISO_F64, 0},
-                 {"vtktypeint64", ISO_F64, ISO_FORM_I64},
-                 {"vtktypeuint64", ISO_F64, ISO_FORM_U64}};
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; ++i)
-        if (strcmp(types[i].name, name) == 0) {
-            source->header.type = types[i].type;
-            if (types[i].form)
-                iso_source_set_form(source, types[i].form);
-            return true;
-        }
-    return false;
-}
-
-/* Refuses coordinates whose steps differ by more than 1 %. */
-static iso_status check_even(const vtk_header *h, const iso_volume_source *source, iso_error *err)
-{
-    for (int a = 0; a < 3 && source->hints.uneven != ISO_UNEVEN_FORCE; ++a)
-        if (h->most[a] > h->least[a] && !(h->most[a] - h->least[a] <= 0.01 * fabs(h->spacing[a])))
-            return iso_fail(
-                err, ISO_E_FORMAT,
-                "%s: the steps of its %c axis are %g to %g, must be equal within 1 %%; resample it in VTK, or "
-                "--force-spacing takes the average",
-                source->path, 'x' + a, h->least[a], h->most[a]);
-    return ISO_OK;
-}
-
 /* Takes the geometry. Points stand at ORIGIN and every SPACING from there; cells lie between them. */
-static iso_status take_geometry(const vtk_header *h, iso_volume_source *source, iso_error *err)
+static iso_status take_geometry(vtk_header *h, iso_volume_source *source, iso_error *err)
 {
     iso_geometry *g = &source->header.geometry;
     size_t size[3];
     double mm, spacing[3], corner[3];
     iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
+    if (status == ISO_OK && strcmp(h->dataset, "RECTILINEAR_GRID") == 0)
+        status = iso_rectilinear_measure(&h->coordinates, source, h->points, h->origin, h->spacing, err);
     memcpy(spacing, h->spacing, sizeof spacing); /* 1 if the file gives none, as VTK has it */
     TRY(status, iso_source_take_spacing(source, spacing, err));
     if (status != ISO_OK)
@@ -199,10 +163,9 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
     if (!f)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
     iso_status status = read_header(f, source->path, &h, err);
-    if (status == ISO_OK && !take_type(h.type, source))
+    if (status == ISO_OK && !iso_reader_take_type(source, h.type, strlen(h.type)))
         status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
                           h.type);
-    TRY(status, check_even(&h, source, err));
     TRY(status, take_geometry(&h, source, err));
     /* Bytes are always written as colors: three or four of them count as such. */
     const iso_extra_axes axes = {.channel = {.count = (size_t)h.components, .inside = true, .stride = 1},
@@ -215,6 +178,8 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
     } else if (status == ISO_OK)
         status = iso_source_take_part(source, source->path, (size_t)ftello(f), err);
     status = iso_source_check_read(f, source->path, status, err);
+    TRY(status, iso_rectilinear_resample(&h.coordinates, source, err));
+    iso_rectilinear_destroy(&h.coordinates);
     fclose(f);
     return status;
 }
@@ -222,7 +187,7 @@ static iso_status open_vtk(iso_volume_source *source, iso_error *err)
 const iso_volume_format iso_volume_format_vtk = {
     .name = "vtk",
     .title = "VTK legacy",
-    .summary = "structured points and even rectilinear grids, of points or cells; binary plane by plane, text at once",
+    .summary = "structured points and rectilinear grids, of points or cells; binary plane by plane, text at once",
     .suffixes = ".vtk",
     .starts = "\"# vtk DataFile\"",
     .probe = starts_like_vtk,
