@@ -32,22 +32,22 @@ accept what_was_left_out_is_said '(ignored: --stored)' info scaled.nrrd --stored
 with_unit() { { header uchar '2 2 2' | sed '$d; /^spacings/d'; printf 'space dimension: 3\nspace directions: (2,0,0) (0,2,0) (0,0,3)\nspace units: "%s" "%s" "%s"\n\nABCDEFGH' "$1" "$1" "$1"; } >unit.nrrd; }
 while read -r unit spacing; do
     with_unit "$unit"
-    accept "unit_$unit" "spacing    $spacing mm" info unit.nrrd
+    accept "unit_$unit" "spacing    $spacing" info unit.nrrd
 done <<'END'
-angstrom 2e-07 x 2e-07 x 3e-07
-nm 2e-06 x 2e-06 x 3e-06
-microns 0.002 x 0.002 x 0.003
-cm 20 x 20 x 30
-M 2000 x 2000 x 3000
-inch 50.8 x 50.8 x 76.2
+angstrom 2 x 2 x 3 angstrom
+nm 2 x 2 x 3 nm
+microns 2 x 2 x 3 um
+cm 20 x 20 x 30 mm
+M 2000 x 2000 x 3000 mm
+inch 50.8 x 50.8 x 76.2 mm
 END
 with_unit furlong
 refuse a_unit_that_is_not_known 4 'unit.nrrd: unknown unit "furlong"; override it with --unit, one of m, cm' "$ISOSHADE" info unit.nrrd
-accept unless_it_is_said 'spacing    0.002 x 0.002 x 0.003 mm' info unit.nrrd --unit um
-accept and_the_spacing_too 'spacing    0.004 x 0.005 x 0.006 mm' info unit.nrrd --unit um --spacing 4x5x6
+accept unless_it_is_said 'spacing    2 x 2 x 3 um' info unit.nrrd --unit um
+accept and_the_spacing_too 'spacing    4 x 5 x 6 um' info unit.nrrd --unit um --spacing 4x5x6
 accept info_says_the_unit 'unit       um = 0.001 mm' info unit.nrrd --unit um
 accept or_that_there_is_none 'unit       none in the file: mm' info scaled.nrrd
-accept raw_files_have_units_too 'spacing    2e-06 x 2e-06 x 2e-06 mm' info plain.raw --raw-size 40x56x33 --raw-type int16 --raw-spacing 2 --unit nm
+accept raw_files_have_units_too 'spacing    2 x 2 x 2 nm' info plain.raw --raw-size 40x56x33 --raw-type int16 --raw-spacing 2 --unit nm
 refuse an_unknown_unit_of_the_option 2 '--unit is "furlong", must be m, cm' "$ISOSHADE" info unit.nrrd --unit furlong
 refuse a_spacing_of_zero 2 '--spacing is 0' "$ISOSHADE" info unit.nrrd --unit um --spacing 0
 header uchar '2 2 2' >short.nrrd; printf 1234567 >>short.nrrd

@@ -39,9 +39,16 @@ def cube():
     bohr = 0.529177210903
     same("angstrom.cube", small(), CELL / [4, 5, 3] / bohr, np.array([0.1, -0.2, 0.3]) * 1e-7 / bohr, False,
          unit="angstrom", tolerance=1e-12)
+    told = run("info", "angstrom.cube").stdout.splitlines()[2]  # in a unit of its size
+    lengths = " x ".join(f"{v * 1e7:.6g}" for v in np.linalg.norm(CELL / [4, 5, 3] / bohr, axis=0))
+    expect(told == f"  spacing    {lengths} angstrom", f"\"{told}\", not {lengths}")
     with open("orbitals.cube", "w", encoding="ascii") as file:
-        file.writelines([*lines[:2], lines[2].replace("2", "-2", 1), *lines[3:8], "    2    5    6\n", *lines[8:]])
-    refused("orbitals.cube", 4, "2 values a voxel (orbitals)")
+        both = (f"{value} {-float(value)}\n" for line in lines[8:] for value in line.split())
+        file.writelines([*lines[:2], lines[2].replace("2", "-2", 1), *lines[3:8], "    2    5    6\n", *both])
+    must_choose("orbitals.cube", "has 2 channels a voxel; --channel chooses one of them: 0 orbital 5, 1 orbital 6")
+    for channel, sign in ("0", 1), ("orbital 6", -1):
+        same("orbitals.cube", sign * small(), CELL / [4, 5, 3], np.array([0.1, -0.2, 0.3]) * 1e-7, False, unit="bohr",
+             options=["--channel", channel])
     for more, why in (("\n1", "too long: more follows the 60 numbers"), ("\nEND", "too long: more follows"),
                       ("0" * 80, "a word of more than 63 letters after 59 of 60 numbers")):
         with open("more.cube", "w", encoding="ascii") as file:

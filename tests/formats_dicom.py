@@ -354,9 +354,9 @@ def of_color(path, pixels, kind, planar=0, **elements):
     """pixels [z, y, x, 3], or of a palette [z, y, x]."""
     data = np.moveaxis(pixels, -1, 1) if planar else pixels
     planes = pixels[..., 0] if pixels.ndim == 4 else pixels
+    samples = np.ascontiguousarray(data).astype(planes.dtype.newbyteorder("<")).tobytes()
     multiframe(path, planes, SamplesPerPixel=1 if pixels.ndim == 3 else 3, PhotometricInterpretation=kind,
-               PlanarConfiguration=planar, PixelData=np.ascontiguousarray(data).astype(planes.dtype.newbyteorder("<")).tobytes(),
-               **elements)
+               PlanarConfiguration=planar, PixelData=samples, **elements)
 
 
 def colors_of(dtype):
@@ -399,12 +399,12 @@ def dicom_colors():
     half = rgb[:, :, :10].copy()  # pairs of pixels share two components
     half[:, :, 1::2, 1:] = half[:, :, ::2, 1:]
     pairs = np.stack([half[:, :, ::2, 0], half[:, :, 1::2, 0], half[:, :, ::2, 1], half[:, :, ::2, 2]], -1)
-    multiframe("half.dcm", half[..., 0], SamplesPerPixel=3, PhotometricInterpretation="YBR_FULL_422", PlanarConfiguration=0,
-               PixelData=pairs.tobytes())
+    multiframe("half.dcm", half[..., 0], SamplesPerPixel=3, PhotometricInterpretation="YBR_FULL_422",
+               PlanarConfiguration=0, PixelData=pairs.tobytes())
     got = read_samples("half.dcm", ["--channel", "green"])
     expect(np.array_equal(got, rgb_of_ybr(half)[..., 1]), "YBR_FULL_422")
     expect(not np.array_equal(got, half[..., 1]), "the conversion is not to be seen")  # the test's power
-    # with loss: as dcmtk decodes the same file; decoders of JPEG may round differently by 2, a swapped channel is far off
+    # with loss: as dcmtk decodes the same file; decoders may round differently by 2, a swapped channel is far off
     dcmtk("dcmcjpeg", "+eb", "+q", "95", "rgb.dcm", "lossy.dcm")
     dcmtk("dcmdjpeg", "lossy.dcm", "unpacked.dcm")
     import pydicom
@@ -456,16 +456,18 @@ def of_segments(path, masks, left_out=(), kind="BINARY", fraction=1):
             if (number, k) in left_out:
                 continue
             frames.append(mask[k])
+            place = LPS @ (FIRST + STEPS[:, 2] * k)
             groups.append(item(
-                PlanePositionSequence=[item(ImagePositionPatient=[f"{c:.11f}" for c in LPS @ (FIRST + STEPS[:, 2] * k)])],
+                PlanePositionSequence=[item(ImagePositionPatient=[f"{c:.11f}" for c in place])],
                 SegmentIdentificationSequence=[item(ReferencedSegmentNumber=number)]))
     frames = np.array(frames)
     measures = item(PixelSpacing=[str(SPACING[1]), str(SPACING[0])], SliceThickness="1")
     names = [item(SegmentNumber=n, SegmentLabel=name) for n, name in enumerate(masks, 1)]
     bits = {} if fraction > 1 else {"BitsAllocated": 1, "BitsStored": 1, "HighBit": 0,
                                     "PixelData": np.packbits(frames.ravel(), bitorder="little").tobytes()}
-    return multiframe(path, (frames * fraction).astype(np.uint8), ["PixelSpacing", "ImagePositionPatient", "SliceThickness",
-                      "SpacingBetweenSlices", "RescaleSlope", "RescaleIntercept"], SOPClassUID=SEGMENTATION,
+    without = ("PixelSpacing", "ImagePositionPatient", "SliceThickness", "SpacingBetweenSlices", "RescaleSlope",
+               "RescaleIntercept")
+    return multiframe(path, (frames * fraction).astype(np.uint8), without, SOPClassUID=SEGMENTATION,
                       SegmentationType=kind, SegmentSequence=names, PerFrameFunctionalGroupsSequence=groups,
                       SharedFunctionalGroupsSequence=[item(PixelMeasuresSequence=[measures])], **bits)
 
@@ -474,7 +476,8 @@ def encapsulated(d, path, syntax, pack):
     from pydicom.encaps import encapsulate
     count, size = int(d.NumberOfFrames), d.Rows * d.Columns
     bits = np.unpackbits(np.frombuffer(d.PixelData, "u1"), bitorder="little")
-    d.PixelData = encapsulate([pack(np.packbits(bits[k * size:(k + 1) * size], bitorder="little").tobytes()) for k in range(count)])
+    frames = (np.packbits(bits[k * size:(k + 1) * size], bitorder="little").tobytes() for k in range(count))
+    d.PixelData = encapsulate([pack(frame) for frame in frames])
     d["PixelData"].is_undefined_length = True
     d["PixelData"].VR = "OB"
     d.file_meta.TransferSyntaxUID = syntax
@@ -493,7 +496,7 @@ def rle(data):
 
 @case
 def dicom_segments():
-    """Segments of one bit: as labels; those that overlap, or of fractions, one by one. 143 bits a frame: not in whole bytes."""
+    """Segments of one bit: as labels; those that overlap, or of fractions, one by one. A frame of 143 bits ends in a byte."""
     v = phantom(np.int16)
     masks = {"liver": v > 300, "vessel": v < -200, "all": v > -1000}
     apart = {name: masks[name] for name in ("liver", "vessel")}
@@ -556,10 +559,12 @@ def mosaic(path, values, number, up=1, version=2, private=True):
     d.SpacingBetweenSlices, d.RescaleSlope, d.RescaleIntercept = str(SPACING[2]), "1", "0"
     normal = LPS @ STEPS[:, 2] / SPACING[2] * up
     if private:
-        d.private_block(0x29, "SIEMENS CSA HEADER", create=True).add_new(0x10, "OB", csa(version,
-            AcquisitionMatrixText=["13p*11"], NumberOfImagesInMosaic=[f"{len(values):<8}"], SliceNormalVector=[f"{c:.8f}" for c in normal]))
+        header = csa(version, AcquisitionMatrixText=["13p*11"], NumberOfImagesInMosaic=[f"{len(values):<8}"],
+                     SliceNormalVector=[f"{c:.8f}" for c in normal])
+        d.private_block(0x29, "SIEMENS CSA HEADER", create=True).add_new(0x10, "OB", header)
     else:
-        d.private_block(0x19, "SIEMENS MR HEADER", create=True).add_new(0x29, "FD", [0.5 * k for k in range(len(values))])
+        times = [0.5 * k for k in range(len(values))]
+        d.private_block(0x19, "SIEMENS MR HEADER", create=True).add_new(0x29, "FD", times)
     d.save_as(path, write_like_original=False)
     return sheet
 

@@ -123,6 +123,15 @@ def matrix_tiff():
                 file.write(np.ascontiguousarray(page), photometric="minisblack", planarconfig=planar, metadata=None, **layout)
         for channel in 0, 1:
             check("planes.tif", both[:, channel], None, [*SAY, "--channel", str(channel)], f"{planar} {layout}")
+    colors = np.stack([values_of("u1") // k for k in (1, 2, 3)], 1)  # [z, c, y, x]
+    weighed = np.einsum("zcyx,c->zyx", colors.astype(float), [0.2126, 0.7152, 0.0722]).astype(np.float32)
+    for planar in "separate", "contig":
+        data = colors if planar == "separate" else np.moveaxis(colors, 1, -1)
+        with tifffile.TiffWriter("colors.tif") as file:
+            for page in data:
+                file.write(np.ascontiguousarray(page), photometric="rgb", planarconfig=planar, metadata=None)
+        check("colors.tif", weighed, None, [*SAY, "--channel", "luminance"], f"luminance {planar}")
+        check("colors.tif", colors[:, 1], None, [*SAY, "--channel", "green"], f"green {planar}")
     tifffile.imwrite("one.tif", values_of("u2"), planarconfig="separate", photometric="minisblack", metadata=None)
     must_choose("one.tif", "one page of 3 planes, which are channels: --channel K chooses one", SAY)
     tifffile.imwrite("deep.tif", np.zeros((16, 16, 16), "u2"), photometric="minisblack", volumetric=True, tile=(16, 16, 16))
@@ -599,6 +608,11 @@ def numbers():
         file.write("a\nb\n 1 0 0 0\n 2 1 0 0\n 2 0 1 0\n 2 0 0 1\n 1 0 0 0 0\n1.5-101 -2.5-002 1.5E-3 -1.5D2 1 2 3.25+001 4\n")
     numbers_of = np.array([1.5e-101, -2.5e-2, 1.5e-3, -150, 1, 2, 32.5, 4]).reshape(2, 2, 2).T
     check("e.cube", numbers_of, np.eye(3) * 5.29177210903e-8, (), "exponents")
+    with open("e.cube", "w", encoding="ascii") as file:  # columns without a space: fixed widths that are full
+        file.write("a\nb\n 1 0 0 0\n 2 1 0 0\n 2 0 1 0\n 2 0 0 1\n 1 0 0 0 0\n"
+                   "-1.5E-101-2.5E-002-1.5E-3 1.5-101-2.5+001-3.5\n1.25-7.5D0\n")
+    numbers_of = np.array([-1.5e-101, -2.5e-2, -1.5e-3, 1.5e-101, -25, -3.5, 1.25, -7.5]).reshape(2, 2, 2).T
+    check("e.cube", numbers_of, np.eye(3) * 5.29177210903e-8, (), "full columns")
 
 
 @case

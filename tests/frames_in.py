@@ -188,7 +188,8 @@ def metaimage_channels():
         writer.SetCompression(pack)
         vtk_write(writer, image, "rgb.mha")
         same("rgb.mha", rgb[..., 2], LPS @ np.diag(SPACING), LPS @ [1, 2, 3], options=["--channel", "2"])
-        must_choose("rgb.mha", "has 3 channels a voxel; --channel chooses one of them: 0 to 2")
+        same("rgb.mha", luminance(rgb), LPS @ np.diag(SPACING), LPS @ [1, 2, 3], options=["--channel", "luminance"])
+        must_choose("rgb.mha", "has 3 channels a voxel; --channel chooses one of them: 0 red, 1 green, 2 blue")
 
 
 def vtk_array(values):

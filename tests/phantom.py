@@ -119,7 +119,7 @@ def must_choose(path, words, options=()):
     expect(got.returncode == 2 and words in got.stderr, f"{path}: exit code {got.returncode}: {got.stderr.strip()}")
     got = run("info", path, *options)
     option = "--frame K chooses another" if "frames" in words else "--channel chooses another: 0"
-    expect(got.returncode == 0 and option in got.stdout, f"{path}: info ends with {got.returncode}: {got.stderr}{got.stdout[:300]}")
+    expect(got.returncode == 0 and option in got.stdout, f"{path}: info ends with {got.returncode}: {got.stderr}")
 
 
 def cut(path, to, fraction=0.6):

@@ -340,4 +340,27 @@ TEST(labels_are_told_from_intensities)
     }
 }
 
+/* An atlas of a brain has 600 to 2,000 regions. A file that has more values than labels may be is told. */
+TEST(an_atlas_of_many_labels_is_a_map)
+{
+    const size_t size[3] = {60, 60, 60};
+    const iso_geometry g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
+    for (int side = 4; side <= 5; ++side) { /* cubes of 64 and of 125 voxels: 3375 and 1728 labels */
+        const int n = 60 / side;
+        iso_label_facts facts;
+        iso_volume v;
+        assert_ok(iso_volume_create(&v, &g, ISO_I16, "test", &err));
+        for (int i = 0; i < 60 * 60 * 60; ++i) {
+            const int x = i % 60 / side, y = i / 60 % 60 / side, z = i / 3600 / side;
+            ((int16_t *)v.data)[i] = (int16_t)((x + n * (y + n * z)) * 181 % 3389); /* a prime: each another label */
+        }
+        assert_ok(iso_labels_look_at(&v, true, &facts, &err));
+        assert_int_equal(facts.is_map, side == 5);
+        assert_int_equal(facts.has_too_many, side == 4);
+        if (side == 5)
+            assert_int_equal(facts.count, 1728);
+        iso_volume_destroy(&v);
+    }
+}
+
 TEST_MAIN(NULL, end_renderers)

@@ -343,6 +343,61 @@ TEST(views_have_their_sides)
     }
 }
 
+/* Two edges three times as long as the third; of a patient, too. An oblique axis counts by its largest part. */
+TEST(a_thin_slab_is_seen_along_its_shortest_axis)
+{
+    static const struct {
+        size_t size[3];
+        const char *view, *of_patient;
+    } slabs[] = {{{60, 50, 10}, "top", "top"},     {{60, 9, 30}, "front", "front"}, {{8, 25, 30}, "left", "left"},
+                 {{60, 50, 20}, "iso", "front"}, {{60, 10, 20}, "iso", "front"}};
+    for (size_t i = 0; i < sizeof slabs / sizeof *slabs; ++i) {
+        iso_geometry g = iso_geometry_axis_aligned(slabs[i].size, (double[]){1, 1, 1});
+        assert_string_equal(iso_viewpoint_usual(&g), slabs[i].view);
+        g.is_patient = true;
+        assert_string_equal(iso_viewpoint_usual(&g), slabs[i].of_patient);
+    }
+    /* spacing counts, and the direction in the world */
+    iso_geometry g = iso_geometry_axis_aligned((size_t[]){60, 50, 10}, (double[]){1, 1, 5});
+    assert_string_equal(iso_viewpoint_usual(&g), "iso");
+    g = iso_geometry_axis_aligned((size_t[]){60, 50, 10}, (double[]){1, 1, 1});
+    g.index_to_world = (iso_mat3){{{1, 0, 0.3}, {0, 0.3, -0.95}, {0, 0.95, 0.3}}};
+    assert_string_equal(iso_viewpoint_usual(&g), "front");
+}
+
+/* An organ in nothing, as skull stripping leaves it: gray with a white core, and a thin rim of partial volume. */
+static double stripped(const sample_at *p)
+{
+    return p->r > 0.7 ? 0 : (p->r > 0.68 ? 35 : p->r > 0.45 ? 90 : 125) + 6 * p->noise;
+}
+
+/* The same in a head: a thick layer that is darker. */
+static double in_a_head(const sample_at *p)
+{
+    return p->r > 0.7 && p->r < 0.95 ? 40 + 6 * p->noise : stripped(p);
+}
+
+TEST(an_organ_that_was_cut_out_is_solid)
+{
+    for (int k = 0; k < 3; ++k) { /* a patient's; none of a patient; in its surroundings */
+        iso_level l = make_level(k == 2 ? in_a_head : stripped);
+        iso_survey *survey;
+        iso_suggestion found;
+        l.geometry.is_patient = k != 1;
+        assert_ok(iso_survey_make(&l, 1, &survey, &err));
+        assert_ok(iso_suggest(survey, &l.geometry, &found, &err));
+        assert_int_equal(found.kind, ISO_SUGGEST_OBJECT);
+        assert_true(found.material_count >= 2);
+        if (k == 0)
+            assert_true(found.materials[0].opacity > 0.5 && found.materials[0].begins > 40);
+        else
+            assert_true(found.materials[0].opacity < 0.5);
+        iso_suggestion_destroy(&found);
+        free(survey);
+        free(l.scalar);
+    }
+}
+
 /* Air on two faces, a body cut off by the four others, and a bone in it. */
 static double cut_chest(const sample_at *p)
 {

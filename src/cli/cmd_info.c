@@ -17,6 +17,7 @@
 #include "volume/format.h"
 #include "volume/segments.h"
 #include "volume/overview.h"
+#include "volume/unit.h"
 
 /* Prints the unit of lengths in the file. */
 static void print_unit(const iso_volume_notes *n)
@@ -87,12 +88,13 @@ static void print_text(const char *path, const iso_overview *f)
 {
     const iso_volume *v = &f->header;
     const iso_geometry *g = &v->geometry;
-    double spacing[3];
+    double spacing[3], mm;
     iso_geometry_spacing_mm(g, spacing);
+    const char *unit = iso_unit_fitting(fmax(spacing[0], fmax(spacing[1], spacing[2])), &mm);
     printf("%s\n  size       %zu x %zu x %zu = %zu voxels of %s\n", path, g->size[0], g->size[1], g->size[2],
            iso_geometry_voxel_count(g), iso_type_name(v->type));
-    printf("  spacing    %g x %g x %g mm\n  corner     %g, %g, %g mm (%s)\n", spacing[0], spacing[1], spacing[2],
-           g->origin_mm.x, g->origin_mm.y, g->origin_mm.z,
+    printf("  spacing    %g x %g x %g %s\n  corner     %g, %g, %g %s (%s)\n", spacing[0] / mm, spacing[1] / mm,
+           spacing[2] / mm, unit, g->origin_mm.x / mm, g->origin_mm.y / mm, g->origin_mm.z / mm, unit,
            v->notes.world_is_ras ? "right, anterior, superior" : "the file's own frame");
     print_unit(&v->notes);
     print_frames(&v->notes);

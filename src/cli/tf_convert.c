@@ -11,6 +11,7 @@
 #include "pyramid/pyramid.h"
 #include "tf/format.h"
 #include "tf/presets.h"
+#include "volume/unit.h"
 
 void iso_cli_tf_table_destroy(iso_cli_tf_table *t)
 {
@@ -155,12 +156,13 @@ static void report(const iso_tf_arguments *a, const iso_cli_tf_table *t, const i
     }
     if (a->cli->quiet)
         return;
+    char length[32];
+    iso_unit_text(unit_mm, 6, length, sizeof length);
     if (t->tf.fit_range)
-        printf("%s: %zu points over the volume's range, opacities for %g mm\n", output_of(a), t->tf.point_count,
-               unit_mm);
+        printf("%s: %zu points over the volume's range, opacities for %s\n", output_of(a), t->tf.point_count, length);
     else
-        printf("%s: %zu points from %g to %g, opacities for %g mm\n", output_of(a), t->tf.point_count, t->table.lo,
-               t->table.hi, unit_mm);
+        printf("%s: %zu points from %g to %g, opacities for %s\n", output_of(a), t->tf.point_count, t->table.lo,
+               t->table.hi, length);
     print_loss("read: against the other program", &t->tf.loss);
     print_loss("written: read again", written);
 }

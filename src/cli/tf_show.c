@@ -12,6 +12,7 @@
 #include "cli/tf_convert.h"
 #include "report/gnuplot.h"
 #include "tf/color_space.h"
+#include "volume/unit.h"
 
 static const double strip_top = -0.025, strip_bottom = -0.085;
 enum { BINS = 256 };
@@ -87,6 +88,7 @@ static void put_plot(FILE *gp, size_t panel, bool has_volume)
 static iso_status put_panel(FILE *gp, size_t panel, show_picture *p, iso_error *err)
 {
     iso_cli_tf_table loaded = {0};
+    char length[32];
     const char *name = p->arguments->cli->arguments[1 + panel];
     iso_status status = iso_cli_tf_load_table(p->arguments, name, &loaded, err);
     if (status != ISO_OK)
@@ -105,8 +107,8 @@ static iso_status put_panel(FILE *gp, size_t panel, show_picture *p, iso_error *
     fputs("set title ", gp);
     iso_gnuplot_put_quoted(gp, iso_path_base(name));
     fprintf(gp,
-            " noenhanced offset 0,-0.5\nset ylabel 'opacity of %.3g mm'\nset xlabel 'value'\nset xrange [%.9g:%.9g]\n",
-            p->unit_mm, range[0], range[1]);
+            " noenhanced offset 0,-0.5\nset ylabel 'opacity of %s'\nset xlabel 'value'\nset xrange [%.9g:%.9g]\n",
+            iso_unit_text(p->unit_mm, 3, length, sizeof length), range[0], range[1]);
     put_plot(gp, panel, p->volume != NULL);
     iso_cli_tf_table_destroy(&loaded);
     return status;

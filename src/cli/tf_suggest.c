@@ -10,6 +10,7 @@
 #include "tf/color_space.h"
 #include "tf/presets.h"
 #include "tf/suggest.h"
+#include "volume/unit.h"
 
 /* Rounds x for editing, to `digits` digits after the first one of x, or of `span` if that is smaller. */
 static double rounded(double x, double span, int digits)
@@ -58,14 +59,15 @@ static void print_survey(const iso_survey *s, const iso_suggestion *found)
         printf("background  %.5g, from %.5g to %.5g\n", s->background, s->background_lo, s->background_hi);
     printf("shown       %s\n", iso_suggest_kind_text(found->kind));
     for (size_t i = 0; i < found->material_count; ++i)
-        printf("material    from %.5g, most of it at %.5g, %.2g %% of the voxels, opacity %.2g\n",
+        printf("material    from %.5g, most of it at %.5g, %.3g %% of the voxels, opacity %.2g\n",
                found->materials[i].begins, found->materials[i].peak, 100 * found->materials[i].part,
                found->materials[i].opacity);
 }
 
 static void print_points(const iso_tf *tf)
 {
-    printf("points      opacity for %.3g mm\n", tf->unit_distance);
+    char length[32];
+    printf("points      opacity for %s\n", iso_unit_text(tf->unit_distance, 3, length, sizeof length));
     for (size_t i = 0; i < tf->point_count; ++i) {
         const iso_tf_point *p = &tf->points[i];
         printf("  %10.5g  opacity %.2g, color %.2f %.2f %.2f\n", p->value, p->opacity,

@@ -11,6 +11,7 @@
 #include "figure/picture.h"
 #include "figure/tf_bar.h"
 #include "scene/subject.h"
+#include "volume/unit.h"
 
 enum { MOST_COLUMNS = 8, NAME_BYTES = 64 };
 static const double side_mm = 5, bar_room_mm = 6.6, bar_mm = 2, bar_above_mm = 0.8;
@@ -112,7 +113,7 @@ static void put_bar(const contact *c, iso_page *page, const iso_page_box *first,
 static iso_status draw_row(contact *c, iso_page *page, size_t row, iso_error *err)
 {
     const size_t width = iso_paper_dots(&c->paper, row);
-    char name[NAME_BYTES];
+    char name[NAME_BYTES], length[32];
     iso_status status = change_tf(c, row, err);
     name_tf(c, row, name);
     for (size_t i = 0; i < c->columns && status == ISO_OK; ++i) {
@@ -137,7 +138,8 @@ static iso_status draw_row(contact *c, iso_page *page, size_t row, iso_error *er
         iso_image_destroy(&image);
     }
     if (status == ISO_OK)
-        fprintf(iso_page_caption(page), " %s, %.3g mm%s", name, iso_figure_tf_unit_mm(&c->subject.tf),
+        fprintf(iso_page_caption(page), " %s, %s%s", name,
+                iso_unit_text(iso_figure_tf_unit_mm(&c->subject.tf), 3, length, sizeof length),
                 row + 1 < c->rows ? ";" : ".");
     return status;
 }

@@ -8,6 +8,7 @@
 #include "compare/srgb.h"
 #include "figure/page.h"
 #include "figure/page_text.h"
+#include "volume/unit.h"
 
 /* ---- the color bar ---- */
 
@@ -179,8 +180,10 @@ static scale_bar find_place(const iso_page *p, const iso_page_box *box, const is
         scale_bar bar = {.length_mm = round_length(shown_mm / part)}, best = {0};
         double least = opaque ? 2 : nothing;
         bar.width = bar.length_mm / shown_mm * box->width;
-        iso_page_number(bar.length_mm, bar.length_mm, bar.text);
-        strcat(bar.text, " mm");
+        double unit_mm;
+        const char *unit = iso_unit_fitting(bar.length_mm, &unit_mm);
+        iso_page_number(bar.length_mm / unit_mm, bar.length_mm / unit_mm, bar.text);
+        strcat(strcat(bar.text, " "), unit);
         const double wide = fmax(bar.width, iso_page_text_mm(p, ISO_PAGE_NOTE, bar.text));
         for (size_t i = 0; i < CORNERS && wide < most_of_width * box->width; ++i) {
             bar.at = corners[i];
@@ -229,9 +232,11 @@ void iso_page_put_scale_bar(iso_page *p, const iso_page_box *box, const iso_imag
 {
     const double length = iso_page_scale_bar_mm(p, box, image, mm_per_pixel);
     iso_page_draw_scale_bar(p, box, image, mm_per_pixel);
+    char text[32];
     if (length > 0)
-        fprintf(iso_page_caption(p), " Scale bar: %g mm, in the plane through the center of the volume.", length);
+        fprintf(iso_page_caption(p), " Scale bar: %s, in the plane through the center of the volume.",
+                iso_unit_text(length, 6, text, sizeof text));
     else if (mm_per_pixel > 0)
-        fprintf(iso_page_caption(p), " A picture is %.3g mm wide, in the plane through the center of the volume.",
-                mm_per_pixel * (double)image->width);
+        fprintf(iso_page_caption(p), " A picture is %s wide, in the plane through the center of the volume.",
+                iso_unit_text(mm_per_pixel * (double)image->width, 3, text, sizeof text));
 }

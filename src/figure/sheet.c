@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "figure/page_text.h"
+#include "volume/unit.h"
 
 /* Print sizes; journals require 6 points at least. Titles become smaller before words overlap. */
 static const double largest_title_pt = 8, smallest_pt = 6, note_pt = 6.2;
@@ -406,7 +407,7 @@ static void put_row(const iso_figure_sheet *f, const layout *l, size_t i, const 
     break_lines(p->side, side_mm(f, l), l->title_pt, lines);
     put_cell(csv, lines);
     if (bar_mm > 0)
-        snprintf(bar, sizeof bar, "%g mm", bar_mm);
+        iso_unit_text(bar_mm, 6, bar, sizeof bar);
     fprintf(csv, "%.6f,", bar_mm > 0 ? bar_mm / (p->mm_per_pixel * (double)p->a.width) : 0);
     put_cell(csv, bar);
     fprintf(csv, "%.6g,%.6g,%d,%.4f,%.4f\n", f->low, f->high, f->in_logs, wide * 96 / 25.4, high * 96 / 25.4);

@@ -6,6 +6,7 @@
 
 #include "figure/page_text.h"
 #include "tf/color_space.h"
+#include "volume/unit.h"
 
 static const double foot_mm = 11, bar_mm = 3, widest_mm = 60, edge_mm = 1.5, deep_units = 50;
 
@@ -67,8 +68,9 @@ void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf
 
 void iso_figure_describe_tf_bar(FILE *caption, double unit_mm)
 {
-    fprintf(caption, "colors over value with the opacity of %.3g mm, above of %.3g mm, over gray squares", unit_mm,
-            deep_units * unit_mm);
+    char unit[32], deep[32];
+    fprintf(caption, "colors over value with the opacity of %s, above of %s, over gray squares",
+            iso_unit_text(unit_mm, 3, unit, sizeof unit), iso_unit_text(deep_units * unit_mm, 3, deep, sizeof deep));
 }
 
 /* ---- under pictures ---- */
@@ -104,13 +106,13 @@ double iso_figure_tf_foot_mm(const iso_figure_tf_foot *foot)
 
 void iso_figure_put_tf_foot(const iso_figure_tf_foot *foot, iso_page *page, double above_mm)
 {
-    char text[64];
+    char text[64], length[32];
     if (!(iso_figure_tf_foot_mm(foot) > 0))
         return;
     const double unit_mm = iso_figure_tf_unit_mm(foot->tf), bottom = iso_page_height(page) - above_mm;
     const iso_page_box box = foot_bar(page, foot->range, bottom - foot_mm + 1);
     iso_figure_put_tf_bar(page, &box, foot->tf, foot->range);
-    snprintf(text, sizeof text, "value (opacity of %.3g mm)", unit_mm);
+    snprintf(text, sizeof text, "value (opacity of %s)", iso_unit_text(unit_mm, 3, length, sizeof length));
     iso_page_put_text(page,
                       &(iso_page_text){.x = box.left,
                                        .y = bottom - 0.6 * iso_page_line_mm(page, ISO_PAGE_NOTE),

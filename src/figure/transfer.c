@@ -9,6 +9,7 @@
 #include "figure/picture.h"
 #include "figure/tf_bar.h"
 #include "tf/color_space.h"
+#include "volume/unit.h"
 
 enum { COLUMNS = 400, BINS = 256 };
 
@@ -108,14 +109,14 @@ static void put_transfer(iso_page *page, const place *at, const iso_tf_table *t)
                  top = at->box.top + above_mm + title_mm;
     const iso_page_box curve = {at->box.left + side_mm, top, wide, bottom - below_mm - top},
                        bar = {curve.left, bottom - below_mm + 1, wide, bar_mm};
-    char opacity[48];
+    char opacity[48], length[32];
     FILE *gp = iso_page_plot_begin(page, &curve);
     if (at->first)
         put_histogram(gp, at->level0);
     put_plot(gp, t, unit_mm, at->range);
     iso_page_plot_end(page);
     iso_figure_put_tf_bar(page, &bar, t, at->range);
-    snprintf(opacity, sizeof opacity, "opacity of %.3g mm", unit_mm);
+    snprintf(opacity, sizeof opacity, "opacity of %s", iso_unit_text(unit_mm, 3, length, sizeof length));
     put_upright(page, at->box.left + 1.7, curve.top + 0.5 * curve.height, opacity);
     put_upright(page, right - 1.7, curve.top + 0.5 * curve.height, "voxels (log)");
     iso_page_text text = {curve.left + 0.5 * wide, bottom - 1.7, ISO_PAGE_NOTE, ISO_PAGE_CENTER, 0, NULL};
@@ -206,14 +207,15 @@ static iso_status put_all(const curves *c, const iso_figure_job *job, iso_page *
 static void write_caption(const curves *c, const iso_figure_job *job, FILE *f)
 {
     const double unit_mm = iso_figure_tf_unit_mm(&c->views[0].tf);
+    char length[32];
     fputs(c->count > 1 ? "Transfer functions" : "Transfer function", f);
     iso_figure_put_subject(&c->subject, f);
     if (c->count > 1)
         fprintf(f, ", original and adapted to levels 1 to %zu", c->count - 1);
     else if (job->adapted.wanted && c->first > 0)
         fprintf(f, ", adapted to level %zu", c->first);
-    fprintf(f, ": opacity of %.3g mm over value, filled with its colors, over the histogram of level 0. Below: ",
-            unit_mm);
+    fprintf(f, ": opacity of %s over value, filled with its colors, over the histogram of level 0. Below: ",
+            iso_unit_text(unit_mm, 3, length, sizeof length));
     iso_figure_describe_tf_bar(f, unit_mm);
     fputc('.', f);
     for (size_t i = 1; i < c->count; ++i)

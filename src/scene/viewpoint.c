@@ -54,8 +54,30 @@ iso_status iso_viewpoint_parse(const char *text, iso_viewpoint *v, iso_error *er
     return ISO_OK;
 }
 
+/* Returns the shortest axis of a box of which two edges are at least three times as long; -1: it is no slab. */
+static int axis_of_slab(const iso_geometry *g)
+{
+    double edge[3];
+    int shortest = 0;
+    iso_geometry_spacing_mm(g, edge);
+    for (int a = 0; a < 3; ++a) {
+        edge[a] *= g->box_index[a];
+        shortest = edge[a] < edge[shortest] ? a : shortest;
+    }
+    for (int a = 0; a < 3; ++a)
+        if (a != shortest && !(edge[a] >= 3 * edge[shortest]))
+            return -1;
+    return shortest;
+}
+
 const char *iso_viewpoint_usual(const iso_geometry *g)
 {
+    const int axis = axis_of_slab(g);
+    if (axis >= 0) {
+        const iso_vec3 d = iso_column(g->index_to_world, axis);
+        const double x = fabs(d.x), y = fabs(d.y), z = fabs(d.z);
+        return z >= x && z >= y ? "top" : y >= x ? "front" : "left";
+    }
     return g->is_patient ? "front" : "iso";
 }
 

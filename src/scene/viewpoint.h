@@ -20,7 +20,8 @@ extern const iso_names iso_viewpoint_names;
 
 /* Parses a name of the table, or "AZ,EL" in degrees. ISO_E_USAGE. */
 iso_status iso_viewpoint_parse(const char *text, iso_viewpoint *viewpoint, iso_error *err);
-/* Returns "front" for a patient; otherwise "iso", which shows three faces if the axes are unknown. */
+/* Returns the view along the shortest axis of a thin slab, "front" for a patient, or "iso", which shows three faces if
+ * the axes are unknown. */
 const char *iso_viewpoint_usual(const iso_geometry *g);
 
 /* Returns camera, light, shading and background of a first picture. The camera frames the corners of the box closely;

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/order.h"
 #include "tf/color_space.h"
@@ -15,6 +16,10 @@ enum { BINS = ISO_SURVEY_BINS };
 #define SOLID 0.75
 /* Opacity of all of a veil's material together. */
 #define VEIL 0.45
+/* An organ that was cut out: the part of the volume that has the least value at least, and the part of the voxels above
+ * the background that its rim has at most. A brain's rim has .08; skin and bone of a whole head have .3. */
+#define CUT_OUT 0.3
+#define RIM 0.15
 
 const char *iso_suggest_kind_text(iso_suggest_kind kind)
 {
@@ -230,18 +235,49 @@ static double veil_opacity(const side *p, int begins, double voxels)
 
 static const double colors[ISO_SUGGEST_MATERIALS][3] = {{0.86, 0.55, 0.38}, {0.95, 0.80, 0.55}, {1.00, 0.97, 0.90}};
 
+/* True for an organ that was cut out, such as a skull-stripped brain: much of the volume has the least value itself. */
+static bool is_cut_out(const iso_survey *s, const iso_geometry *g)
+{
+    const double counted = (double)s->voxel_count / (double)iso_geometry_voxel_count(g); /* without padding */
+    const bool has_least = s->has_padding ? s->padding == s->min && counted <= 1 - CUT_OUT
+                                          : iso_survey_quantile(s, CUT_OUT) == s->min;
+    return g->is_patient && !s->is_hounsfield && has_least;
+}
+
+/* Returns the first solid material: the last, or of an organ that was cut out the largest, if it is at least half as
+ * bright as the last, as gray matter is beside white. Its surface is then the one to be seen; the few voxels below are the
+ * rim of the cut. Skin and bone below are more, and stay a veil. */
+static int first_solid(const side *p, bool cut_out, const material *m, int count)
+{
+    int largest = 0;
+    double most = 0;
+    for (int k = 0; k < count; ++k) {
+        const double voxels = sum_of(p->count, m[k].begins, k + 1 < count ? m[k + 1].begins : BINS);
+        largest = voxels > most ? k : largest;
+        most = fmax(most, voxels);
+    }
+    const bool has_rim_only = sum_of(p->count, p->first, m[largest].begins) <= RIM * p->above,
+               is_bright = 2 * (m[largest].peak - p->first) >= m[count - 1].peak - p->first;
+    return cut_out && has_rim_only && is_bright ? largest : count - 1;
+}
+
 /* Adds all materials: opacity rises to a material's own around the value at which it begins. */
-static void add_object(const side *p, iso_suggestion *out)
+static void add_object(const side *p, bool cut_out, iso_suggestion *out)
 {
     material m[ISO_SUGGEST_MATERIALS];
-    const int count = find_materials(p, m);
+    int count = find_materials(p, m), solid = first_solid(p, cut_out, m, count);
     double before = 0;
     int from = p->first;
+    if (solid < count - 1) { /* without the rim */
+        count -= solid;
+        memmove(m, m + solid, (size_t)count * sizeof *m);
+        solid = 0;
+    }
     out->material_count = (size_t)count;
     for (int k = 0; k < count; ++k) {
         const int to = k + 1 < count ? m[k + 1].begins : BINS;
         const double voxels = sum_of(p->count, m[k].begins, to);
-        const double opacity = k + 1 < count ? fmax(before, veil_opacity(p, m[k].begins, voxels)) : SOLID;
+        const double opacity = k < solid ? fmax(before, veil_opacity(p, m[k].begins, voxels)) : SOLID;
         const double *color = colors[count == 1 ? 0 : k + ISO_SUGGEST_MATERIALS - count];
         const double half = fmax(1, fmin(0.5 * (m[k].begins - from), 0.5 * (m[k].peak - m[k].begins)));
         add_point(&out->tf, value_of(p, m[k].begins - half), color, before);
@@ -379,7 +415,7 @@ static double weight_of(const side *p)
     return sum;
 }
 
-static void add_by_background(const iso_survey *s, iso_suggestion *out)
+static void add_by_background(const iso_survey *s, bool cut_out, iso_suggestion *out)
 {
     side sides[2];
     take_side(&sides[0], s, false);
@@ -395,7 +431,7 @@ static void add_by_background(const iso_survey *s, iso_suggestion *out)
         add_signed(sides, out);
     } else {
         out->kind = up >= down ? ISO_SUGGEST_OBJECT : ISO_SUGGEST_DARK;
-        add_object(&sides[up < down], out);
+        add_object(&sides[up < down], cut_out, out);
     }
 }
 
@@ -418,7 +454,7 @@ iso_status iso_suggest(const iso_survey *s, const iso_geometry *level0, iso_sugg
     } else if (!(s->hi > s->lo)) {
         add_point(&out->tf, s->lo, colors[1], 0.1);
     } else if (s->has_background) {
-        add_by_background(s, out);
+        add_by_background(s, is_cut_out(s, level0), out);
     } else {
         out->kind = ISO_SUGGEST_SHELL;
         add_shell(s, out);

@@ -20,7 +20,7 @@
 
 #include "pyramid/pyramid.h"
 
-enum { ISO_SURVEY_BINS = 256, ISO_SURVEY_SLOPES = 128, ISO_SURVEY_QUANTILES = 4096, ISO_SURVEY_LABELS = 512 };
+enum { ISO_SURVEY_BINS = 256, ISO_SURVEY_SLOPES = 128, ISO_SURVEY_QUANTILES = 4096, ISO_SURVEY_LABELS = 2048 };
 
 typedef struct iso_survey {
     double min, max; /* of all voxels */

@@ -148,7 +148,7 @@ static iso_status measure_adapted(iso_validation *v, levels_run *run, const iso_
         if (judgment->seen)
             snprintf(why, sizeof why,
                      "in small views the adapted TF has 1-SSIM %.3g and RMSE %.3g, the original one %.3g and %.3g; it "
-                     "draws a ghost of %.2g %%",
+                     "draws a ghost of %.3g %%",
                      judgment->seen_adapted.ssim_dissimilarity, judgment->seen_adapted.rmse,
                      judgment->seen_original.ssim_dissimilarity, judgment->seen_original.rmse,
                      100 * judgment->seen_adapted.ghost);

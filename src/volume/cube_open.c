@@ -17,6 +17,7 @@ typedef struct cube {
     long atoms, count[3];
     double origin[3], step[3][3];
     long values; /* a voxel */
+    iso_extra_axes axes;
 } cube;
 
 /* Reads a line of a count and three numbers; *more: a count after them, 1 if there is none. */
@@ -35,7 +36,7 @@ static bool read_header(FILE *f, cube *c)
                 take_line(f, &c->atoms, c->origin, &c->values);
     for (int a = 0; a < 3 && well; ++a)
         well = take_line(f, &c->count[a], c->step[a], &unused) && c->count[a] != 0 && labs(c->count[a]) < 1000000;
-    return well && labs(c->atoms) <= ATOMS_MOST && c->values >= 1;
+    return well && labs(c->atoms) <= ATOMS_MOST && c->values >= 1 && c->values < 100000;
 }
 
 /* Leaves the file at the first value: after the atoms, and after the orbitals' numbers if the number of atoms is
@@ -49,8 +50,11 @@ static bool skip_atoms(FILE *f, cube *c)
     long orbital;
     if (well && c->atoms < 0) {
         well = fscanf(f, "%ld", &c->values) == 1 && c->values >= 1 && c->values < 100000;
-        for (long i = 0; i < c->values && well; ++i)
+        for (long i = 0; i < c->values && well; ++i) {
             well = fscanf(f, "%ld", &orbital) == 1;
+            if (well && i < ISO_NAMED_CHANNELS)
+                snprintf(c->axes.channel_name[i], sizeof c->axes.channel_name[i], "orbital %ld", orbital);
+        }
     }
     return well;
 }
@@ -97,10 +101,9 @@ static iso_status open_cube(iso_volume_source *source, iso_error *err)
     iso_status status = ISO_OK;
     if (!read_header(f, &c) || !skip_atoms(f, &c))
         status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before the values of a cube file", source->path);
-    else if (c.values != 1)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %ld values a voxel (orbitals), a scalar volume has 1", source->path,
-                          c.values);
+    c.axes.channel = (iso_extra_axis){.count = (size_t)c.values, .inside = true, .stride = 1};
     TRY(status, take_geometry(&c, source, err));
+    TRY(status, iso_source_choose(source, &c.axes, err));
     if (status == ISO_OK)
         status = iso_source_take_text(source, f, (iso_text_layout){.z_fastest = true}, err);
     status = iso_source_check_read(f, source->path, status, err);
@@ -111,7 +114,7 @@ static iso_status open_cube(iso_volume_source *source, iso_error *err)
 const iso_volume_format iso_volume_format_cube = {
     .name = "cube",
     .title = "Gaussian cube",
-    .summary = "one density or orbital, in bohr or angstrom, at once",
+    .summary = "densities and orbitals, in bohr or angstrom, at once",
     .suffixes = ".cube .cub",
     .starts = "two lines of words, named .cube",
     .probe_path = is_cube,

@@ -113,6 +113,8 @@ static iso_status choose(const metaimage *m, iso_volume_source *source, iso_erro
         .frame = {.count = m->axes == 4 ? m->size[3] : 1, .stride = 1},
         .frame_step = m->spacing[3],
         .channel = {.count = (size_t)m->channels, .inside = true, .stride = 1},
+        /* Three or four bytes count as colors, as ITK writes them. */
+        .is_color = source->header.type == ISO_U8 && (m->channels == 3 || m->channels == 4),
     };
     return iso_source_choose(source, &axes, err);
 }

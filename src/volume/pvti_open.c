@@ -133,7 +133,8 @@ static iso_status read_pieces(pvti *p, const char *text, iso_volume_source *whol
     iso_status status = ISO_OK;
     for (const char *tag = text; status == ISO_OK && (tag = strstr(tag, "<Piece ")); ++tag) {
         iso_volume_source *piece;
-        if (++pieces > MOST_PIECES || !read_extent(tag, "Extent", e) || !iso_reader_attribute(tag, "Source", name, sizeof name))
+        if (++pieces > MOST_PIECES || !read_extent(tag, "Extent", e) ||
+            !iso_reader_attribute(tag, "Source", name, sizeof name))
             return iso_fail(err, ISO_E_FORMAT, "%s: damaged: piece %zu has no extent and source, or is one of too many",
                             whole->path, pieces);
         status = open_piece(whole, name, &piece, err);

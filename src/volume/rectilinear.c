@@ -230,7 +230,8 @@ iso_status iso_rectilinear_resample(const iso_rectilinear *r, iso_volume_source 
     iso_geometry *g = &source->header.geometry;
     new_axis n[3] = {{0}};
     double made = 1;
-    if (!r->at[0] || source->hints.uneven != ISO_UNEVEN_RESAMPLE || !(is_uneven(r, 0) || is_uneven(r, 1) || is_uneven(r, 2)))
+    if (!r->at[0] || source->hints.uneven != ISO_UNEVEN_RESAMPLE ||
+        !(is_uneven(r, 0) || is_uneven(r, 1) || is_uneven(r, 2)))
         return ISO_OK;
     if (source->choice.luminance)
         iso_source_make_floats(source);

@@ -23,21 +23,46 @@ static size_t put_exponent_letter(char *word)
     return 1;
 }
 
-/* Reads the next word. Returns NULL, or the fault in it. Fortran writes 1.0D-3, too. */
+/* Reads a word up to a space, or up to a sign that begins the next number: Fortran's columns of fixed width run
+ * together, as in -1.5E-101-2.5E-101, 1.5-101-2.5-101 and 1.5-2.5. Returns the character after it. */
+static int read_word(FILE *f, int c, char *word, size_t *length)
+{
+    size_t n = 0, sign = 0; /* of an exponent, or of the next number */
+    bool has_letter = false;
+    for (; c != EOF && !isspace(c) && n + 1 < WORD_BYTES; c = getc_unlocked(f)) {
+        const bool is_inner_sign = (c == '-' || c == '+') && n > 0 && (isdigit(word[n - 1]) || word[n - 1] == '.');
+        if (is_inner_sign && (has_letter || sign > 0))
+            break;
+        if (c == '.' && sign > 0 && !has_letter) {
+            fseeko(f, -(off_t)(n + 1 - sign), SEEK_CUR);
+            n = sign, c = getc_unlocked(f);
+            break;
+        }
+        sign = is_inner_sign ? n : sign;
+        has_letter = has_letter || tolower(c) == 'e' || tolower(c) == 'd';
+        word[n++] = (char)(tolower(c) == 'd' ? 'e' : c);
+    }
+    word[n] = 0;
+    *length = n;
+    return c;
+}
+
+/* Reads the next number. Returns NULL, or the fault in it. Fortran writes 1.0D-3, too. */
 static const char *next_number(FILE *f, double *value)
 {
     char word[WORD_BYTES + 1], *end;
-    size_t n = 0;
+    size_t n;
     int c;
     while (isspace(c = getc_unlocked(f)))
         ;
-    for (; c != EOF && !isspace(c) && n + 1 < WORD_BYTES; c = getc_unlocked(f))
-        word[n++] = (char)(c == 'D' || c == 'd' ? 'e' : c);
-    word[n] = 0;
+    c = read_word(f, c, word, &n);
+    const bool runs_on = c == '-' || c == '+';
+    if (runs_on)
+        ungetc(c, f);
     n += put_exponent_letter(word);
     *value = strtod(word, &end);
     const bool is_number = n > 0 && end == word + n;
-    return c != EOF && !isspace(c) ? "a word of more than 63 letters"
+    return c != EOF && !isspace(c) && !runs_on ? "a word of more than 63 letters"
            : is_number             ? NULL
            : c == EOF              ? "truncated"
                                    : "no number";
@@ -84,7 +109,7 @@ static bool store(char *data, iso_type type, size_t at, double value)
 iso_status iso_source_take_text(iso_volume_source *source, FILE *f, iso_text_layout layout, iso_error *err)
 {
     const size_t *n = source->header.geometry.size, sample = iso_type_bytes(source->header.type),
-                 count = iso_source_bytes(source) / sample;
+                 count = iso_source_bytes(source) / sample, inside = source->choice.inside_count;
     source->form = source->form ? ISO_FORM_WHOLE : ISO_FORM_TYPE; /* integers of 64 bits, too, are stored as doubles */
     const off_t at = ftello(f);
     const bool sized = at >= 0 && fseeko(f, 0, SEEK_END) == 0;
@@ -101,8 +126,9 @@ iso_status iso_source_take_text(iso_volume_source *source, FILE *f, iso_text_lay
         const char *wrong = next_number(f, &value);
         if (wrong)
             return iso_fail(err, ISO_E_FORMAT, "%s: %s after %zu of %zu numbers", source->path, wrong, i, count);
-        const size_t z = i % n[2], y = i / n[2] % n[1], x = i / n[2] / n[1];
-        if (!store(source->preloaded, source->header.type, layout.z_fastest ? (z * n[1] + y) * n[0] + x : i, value))
+        const size_t v = i / inside, z = v % n[2], y = v / n[2] % n[1], x = v / n[2] / n[1],
+                     turned = ((z * n[1] + y) * n[0] + x) * inside + i % inside;
+        if (!store(source->preloaded, source->header.type, layout.z_fastest ? turned : i, value))
             return iso_fail(err, ISO_E_FORMAT, "%s: sample %zu is %g, which no %s can be", source->path, i, value,
                             iso_type_name(source->header.type));
     }

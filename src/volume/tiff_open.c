@@ -21,7 +21,7 @@ typedef struct tiff_reader {
     bool is_unread; /* a call on the file failed: what libtiff says then is about missing bytes, or nothing */
     uint64_t *page; /* offsets of the directories */
     size_t page_count, next;
-    uint16_t plane;     /* of pages that have their components in planes, the chosen one */
+    uint16_t planes;    /* of pages that have their components in planes; 1: of others */
     size_t first, step; /* of the chosen frame and channel: the first page, and from one to the next */
 } tiff_reader;
 
@@ -324,7 +324,7 @@ static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_sou
                         channels, inside);
     iso_extra_axes axes = {.frame = {.count = frames, .stride = 1},
                            .channel = {.count = inside > 1 ? inside : channels,
-                                       .inside = inside > 1 && !in_planes,
+                                       .inside = inside > 1,
                                        .stride = 1},
                            .frame_step = n->frame_step,
                            .is_color = p->is_color};
@@ -340,7 +340,7 @@ static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_sou
     if (status != ISO_OK)
         return status;
     /* Which pages and planes: this reader's business. */
-    r->plane = in_planes ? (uint16_t)source->choice.channel : 0;
+    r->planes = in_planes ? p->samples : 1;
     const size_t count[3] = {*slices, channels, frames};
     const size_t chosen[3] = {0, inside > 1 ? 0 : source->choice.channel, source->choice.frame};
     size_t stride = 1;
@@ -411,15 +411,37 @@ static bool read_strips(TIFF *t, uint16_t plane, char *out, size_t bytes)
     return done == bytes;
 }
 
+static bool read_component(TIFF *t, uint16_t plane, char *out, size_t bytes, size_t rows)
+{
+    return TIFFIsTiled(t) ? read_tiles(t, plane, out, bytes / rows, rows) : read_strips(t, plane, out, bytes);
+}
+
+/* Reads the components of a page; those in planes are put next to each other, as other pages have them. */
+static bool read_page_samples(const iso_volume_source *source, char *out)
+{
+    tiff_reader *r = source->reader;
+    const size_t rows = source->header.geometry.size[1], bytes = iso_source_plane_bytes(source),
+                 sample = iso_type_bytes(iso_source_stored_type(source));
+    if (r->planes == 1)
+        return read_component(r->tiff, 0, out, bytes, rows);
+    char *plane = malloc(bytes / r->planes);
+    bool well = plane != NULL;
+    for (uint16_t c = 0; well && c < r->planes; ++c) {
+        well = read_component(r->tiff, c, plane, bytes / r->planes, rows);
+        for (size_t i = 0; well && i < bytes / r->planes / sample; ++i)
+            memcpy(out + (i * r->planes + c) * sample, plane + i * sample, sample);
+    }
+    free(plane);
+    return well;
+}
+
 static iso_status read_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
 {
     tiff_reader *r = source->reader;
     const size_t *n = source->header.geometry.size, bytes = iso_source_plane_bytes(source);
     for (size_t i = 0; i < plane_count; ++i, ++r->next) {
-        char *plane = (char *)out + i * bytes;
         if (!TIFFSetSubDirectory(r->tiff, r->page[r->first + r->next * r->step]) ||
-            !(TIFFIsTiled(r->tiff) ? read_tiles(r->tiff, r->plane, plane, bytes / n[1], n[1])
-                                   : read_strips(r->tiff, r->plane, plane, bytes)))
+            !read_page_samples(source, (char *)out + i * bytes))
             return check_read(r, source->path,
                               iso_fail(err, ISO_E_FORMAT, "%s: truncated or damaged in page %zu of %zu", source->path,
                                        r->next + 1, n[2]),

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "volume/unit.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -49,4 +51,27 @@ iso_status iso_unit_parse(const char *option, const char *text, double *mm, cons
     if (iso_unit_find(text, mm, name))
         return ISO_OK;
     return iso_fail(err, ISO_E_USAGE, "%s is \"%s\", must be " ISO_UNIT_NAMES, option, text);
+}
+
+const char *iso_unit_fitting(double length_mm, double *unit_mm)
+{
+    static const struct {
+        const char *name;
+        double below_mm, mm;
+    } fitting[] = {{"angstrom", 1e-6, 1e-7}, {"nm", 1e-4, 1e-6}, {"um", 1e-2, 1e-3}, {"mm", 1e4, 1}};
+    for (size_t i = 0; i < sizeof fitting / sizeof *fitting; ++i)
+        if (fabs(length_mm) < fitting[i].below_mm) {
+            *unit_mm = fitting[i].mm;
+            return fitting[i].name;
+        }
+    *unit_mm = 1e3;
+    return "m";
+}
+
+char *iso_unit_text(double length_mm, int digits, char *text, size_t size)
+{
+    double unit_mm;
+    const char *name = iso_unit_fitting(length_mm, &unit_mm);
+    snprintf(text, size, "%.*g %s", digits, length_mm / unit_mm, name);
+    return text;
 }

@@ -18,4 +18,9 @@ bool iso_unit_find(const char *text, double *mm, const char **name);
 /* Does the same for the value of an option. ISO_E_USAGE lists the names. */
 iso_status iso_unit_parse(const char *option, const char *text, double *mm, const char **name, iso_error *err);
 
+/* Returns the unit in which a length is neither tiny nor huge: angstrom, nm, um, mm or m; mm from 0.01 to 10 000. */
+const char *iso_unit_fitting(double length_mm, double *unit_mm);
+/* Writes "2.5 um": a length in the unit that fits, with so many digits. Returns the text. */
+char *iso_unit_text(double length_mm, int digits, char *text, size_t size);
+
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* vti_open.c - VTK's XML image data (.vti) and rectilinear grids (.vtr, rectilinear.h): one piece; its samples appended raw or in base64, inline in base64 or as
- * text; packed by zlib, LZ4 or LZMA, or not. Samples that are appended raw and not packed are read plane by plane,
- * others at once. */
+/* vti_open.c - VTK's XML image data (.vti) and rectilinear grids (.vtr, rectilinear.h): one piece; its samples appended
+ * raw or in base64, inline in base64 or as text; packed by zlib, LZ4 or LZMA, or not. Samples that are appended raw and
+ * not packed are read plane by plane, others at once. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <lz4.h>

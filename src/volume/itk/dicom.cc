@@ -329,12 +329,34 @@ void check_frames(const DicomFile &file)
     }
 }
 
-void take_tiles(const DataSet &all, DicomFile &file)
+/* Turns the only frame into one per tile. The picture's place is the corner of a slice of the whole picture's size with
+ * the same center. */
+void take_tiles(const DataSet &all, const Mosaic &mosaic, DicomFile &file)
 {
-    const double step = number_or(text_in(&all, Tag(0x0018, 0x0088)), 0, "SpacingBetweenSlices", file);
-    if (!(step > 0))
+    const double said = number_or(text_in(&all, Tag(0x0018, 0x0088)), 0, "SpacingBetweenSlices", file);
+    if (mosaic.tiles == 0)
+        fail(ISO_E_FORMAT, file.path + ": a mosaic of slices in one picture without Siemens' number of them");
+    if (file.frames.size() != 1 || file.columns % mosaic.side != 0 || file.rows % mosaic.side != 0)
+        fail(ISO_E_FORMAT, file.path + ": damaged: a mosaic of " + std::to_string(mosaic.tiles) + " slices in " +
+                               std::to_string(file.frames.size()) + " pictures of " + std::to_string(file.columns) +
+                               " x " + std::to_string(file.rows) + " pixels");
+    if (!(said > 0))
         file.unspaced = "between its slices";
-    take_mosaic(all, step > 0 ? step : 1, file);
+    file.tiles = mosaic.side;
+    file.columns /= mosaic.side, file.rows /= mosaic.side;
+    DicomFrame first = file.frames[0];
+    const double more = static_cast<double>(mosaic.side - 1) / 2;
+    move(first.plane, first.u, more * static_cast<double>(file.columns));
+    move(first.plane, first.v, more * static_cast<double>(file.rows));
+    const Vector n = cross(first.u, first.v);
+    const Numbers &up = mosaic.normal;
+    const bool is_down = up.size() == 3 && n[0] * up[0] + n[1] * up[1] + n[2] * up[2] < 0;
+    const double step = (is_down ? -1 : 1) * (said > 0 ? said : 1) / length_of(n);
+    file.frames.assign(mosaic.tiles, first);
+    for (size_t k = 0; k < mosaic.tiles; ++k) {
+        file.frames[k].plane.name = "tile " + std::to_string(k + 1) + " of " + file.path;
+        move(file.frames[k].plane, n, step * static_cast<double>(k));
+    }
 }
 
 void take_frames(const DataSet &all, DicomFile &file)
@@ -363,8 +385,9 @@ void take_frames(const DataSet &all, DicomFile &file)
         file.frames.push_back(frame);
     }
     check_frames(file);
-    if (is_mosaic(all))
-        return take_tiles(all, file);
+    const Mosaic mosaic = mosaic_of(all);
+    if (mosaic.is_one)
+        return take_tiles(all, mosaic, file);
     if (!has_own_places)
         return place_frames(all, shared, file);
     for (const auto &frame : file.frames)

@@ -71,38 +71,15 @@ size_t count_of_tiles(const DataSet &all, const std::string &csa)
 
 } // namespace
 
-bool is_mosaic(const DataSet &all)
+Mosaic mosaic_of(const DataSet &all)
 {
-    return text_in(&all, Tag(0x0008, 0x0008)).find("MOSAIC") != std::string::npos;
-}
-
-void take_mosaic(const DataSet &all, double step, DicomFile &file)
-{
+    Mosaic m;
+    if (text_in(&all, Tag(0x0008, 0x0008)).find("MOSAIC") == std::string::npos)
+        return m;
     const std::string csa = private_bytes(all, 0x0029, "SIEMENS CSA HEADER", 0x10);
-    const size_t count = count_of_tiles(all, csa), side = static_cast<size_t>(std::ceil(std::sqrt(count)));
-    if (count == 0)
-        fail(ISO_E_FORMAT, file.path + ": a mosaic of slices in one picture without Siemens' number of them");
-    if (file.frames.size() != 1 || file.columns % side != 0 || file.rows % side != 0)
-        fail(ISO_E_FORMAT, file.path + ": damaged: a mosaic of " + std::to_string(count) + " slices in " +
-                               std::to_string(file.frames.size()) + " pictures of " + std::to_string(file.columns) +
-                               " x " + std::to_string(file.rows) + " pixels");
-    file.tiles = side;
-    file.columns /= side, file.rows /= side;
-    DicomFrame first = file.frames[0];
-    const double more = static_cast<double>(side - 1) / 2;
-    for (size_t r = 0; r < 3; ++r)
-        first.plane.first[r] += more * (static_cast<double>(file.columns) * first.u[r] +
-                                        static_cast<double>(file.rows) * first.v[r]);
-    Vector n{first.u[1] * first.v[2] - first.u[2] * first.v[1], first.u[2] * first.v[0] - first.u[0] * first.v[2],
-             first.u[0] * first.v[1] - first.u[1] * first.v[0]};
-    const Numbers normal = csa_numbers(csa, "SliceNormalVector");
-    const double length = std::hypot(n[0], n[1], n[2]),
-                 along = normal.size() == 3 ? n[0] * normal[0] + n[1] * normal[1] + n[2] * normal[2] : length;
-    file.frames.assign(count, first);
-    for (size_t k = 0; k < count; ++k) {
-        DicomFrame &frame = file.frames[k];
-        frame.plane.name = "tile " + std::to_string(k + 1) + " of " + file.path;
-        for (size_t r = 0; r < 3; ++r)
-            frame.plane.first[r] += (along < 0 ? -1 : 1) * step * static_cast<double>(k) * n[r] / length;
-    }
+    m.is_one = true;
+    m.tiles = count_of_tiles(all, csa);
+    m.side = static_cast<size_t>(std::ceil(std::sqrt(m.tiles)));
+    m.normal = csa_numbers(csa, "SliceNormalVector");
+    return m;
 }

@@ -211,8 +211,8 @@ std::vector<char> unpack_rle(const char *data, size_t size, const Coding &coding
     return out;
 }
 
-/* Returns samples that are packed frame by frame and that GDCM does not decode, or not right: bits, and colors by RLE of
- * 16 bits. */
+/* Returns samples that are packed frame by frame and that GDCM does not decode, or not right: bits, and colors of 16
+ * bits by RLE. */
 Coded unpacked_frames(const DicomFile &file, const gdcm::SequenceOfFragments &fragments, const std::string &syntax)
 {
     Coded coded{file.coding, {}};

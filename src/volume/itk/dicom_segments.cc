@@ -58,7 +58,8 @@ Slices slices_of(const DicomFile &file)
 
 class SegmentReader : public PlaneReader {
 public:
-    SegmentReader(const DicomFile &file, size_t channel) : file_(file), slices_(slices_of(file)), coded_(coded_samples(file))
+    SegmentReader(const DicomFile &file, size_t channel)
+        : file_(file), slices_(slices_of(file)), coded_(coded_samples(file))
     {
         if (file_.segments.empty())
             for (const auto &frame : file_.frames)
