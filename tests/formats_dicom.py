@@ -496,7 +496,7 @@ def rle(data):
 
 @case
 def dicom_segments():
-    """Segments of one bit: as labels; those that overlap, or of fractions, one by one. A frame of 143 bits ends in a byte."""
+    """Segments of one bit: as labels; those that overlap, or of fractions, one by one. A frame has 143 bits."""
     v = phantom(np.int16)
     masks = {"liver": v > 300, "vessel": v < -200, "all": v > -1000}
     apart = {name: masks[name] for name in ("liver", "vessel")}

@@ -245,8 +245,8 @@ static bool is_cut_out(const iso_survey *s, const iso_geometry *g)
 }
 
 /* Returns the first solid material: the last, or of an organ that was cut out the largest, if it is at least half as
- * bright as the last, as gray matter is beside white. Its surface is then the one to be seen; the few voxels below are the
- * rim of the cut. Skin and bone below are more, and stay a veil. */
+ * bright as the last, as gray matter is beside white. Its surface is then the one to be seen; the few voxels below are
+ * the rim of the cut. Skin and bone below are more, and stay a veil. */
 static int first_solid(const side *p, bool cut_out, const material *m, int count)
 {
     int largest = 0;
