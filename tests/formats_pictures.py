@@ -63,6 +63,7 @@ def pictures_of_colors():
     say = ["--spacing", "0.75x0.5x2.5"]
     for folder in "rgb", "rgba", "bmp24":
         must_choose(f"of_{folder}", "--channel chooses one of them: 0 red, 1 green, 2 blue", say)
+        refused(f"of_{folder}", 4, "in mm; --channel chooses one of ")
         for c, name in enumerate(("red", "green", "blue")):
             same(f"of_{folder}", colors[..., c], np.diag(SPACING), None, False, [*say, "--channel", name])
         weighed = (colors[..., :3] @ [0.2126, 0.7152, 0.0722]).astype(np.float32)

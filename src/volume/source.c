@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/inputs.h"
 #include "base/warnings.h"
+#include "base/words.h"
 #include "volume/stream_kernel.h"
 #include "volume/unit.h"
 
@@ -143,12 +144,25 @@ iso_status iso_source_unit(iso_volume_source *source, const char *unit, const ch
     return ISO_OK;
 }
 
+/* Names the options that choose of several, for an overview that fails before it could show them. */
+static const char *describe_choice(const iso_volume_source *source, char *text, size_t size)
+{
+    const iso_volume_notes *n = &source->header.notes;
+    *text = 0;
+    if (source->hints.takes_first && !source->hints.frame && n->frame_count > 1)
+        iso_words_append(text, size, "; --frame K chooses one of %zu frames", n->frame_count);
+    if (source->hints.takes_first && !source->hints.channel && n->channel_count > 1)
+        iso_words_append(text, size, "; --channel chooses one of %zu channels: %s", n->channel_count, n->channel_list);
+    return text;
+}
+
 iso_status iso_source_need_spacing(const iso_volume_source *source, const char *what, iso_error *err)
 {
     if (source->hints.spacing_mm[0] > 0)
         return ISO_OK;
-    return iso_fail(err, ISO_E_FORMAT, "%s: does not state the spacing %s; set --spacing SXxSYxSZ, in mm", source->path,
-                    what);
+    char choice[400];
+    return iso_fail(err, ISO_E_FORMAT, "%s: does not state the spacing %s; set --spacing SXxSYxSZ, in mm%s", source->path,
+                    what, describe_choice(source, choice, sizeof choice));
 }
 
 iso_status iso_source_take_spacing(const iso_volume_source *source, double spacing[3], iso_error *err)
