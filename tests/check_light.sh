@@ -27,6 +27,21 @@ refuse gnuplot_names_its_package 7 'package gnuplot-nox' empty info s.nrrd --his
 refuse povray_names_its_package 7 'package povray' empty render s.nrrd --with povray --size 8 -o p.png
 refuse blender_names_its_package 7 'package blender' empty render s.nrrd --with cycles --size 8 -o c.png
 
+# A program built with OpenGL on a system without libEGL.so.1, which the preloaded dlopen() does not find.
+cat >hidden.c <<'C'
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <string.h>
+void *dlopen(const char *name, int flags)
+{
+    void *(*next)(const char *, int) = (void *(*)(const char *, int))dlsym(RTLD_NEXT, "dlopen");
+    return name && strstr(name, "libEGL") ? NULL : next(name, flags);
+}
+C
+gcc -shared -fPIC hidden.c -o hidden.so
+check a_first_picture_needs_no_libegl env LD_PRELOAD="$dir/hidden.so" "$ISOSHADE" render s.nrrd --size 32 -q -o d.png
+refuse libegl_names_its_package 7 'package libegl1' env LD_PRELOAD="$dir/hidden.so" "$ISOSHADE" render s.nrrd --with gl -q -o e.png
+
 # setup, with an apt-get and a dpkg-query of the test.
 mkdir fakes build
 printf '#!/bin/sh\n[ "$4" = libpng-dev ] && echo "install ok installed"\n' >fakes/dpkg-query

@@ -11,8 +11,7 @@
 
 /* ---- context --------------------------------------------------------------- */
 
-/* Reports missing libraries: without this check, epoxy would end the program. */
-static iso_status find_libraries(iso_error *err)
+iso_status iso_gl_find_libraries(iso_error *err)
 {
     static const char *const libraries[][2] = {{"libEGL.so.1", "libegl1"}, {"libGL.so.1", "libgl1"}};
     for (size_t i = 0; i < 2; ++i) {
@@ -88,7 +87,7 @@ iso_status iso_gl_create(iso_gl **out, const char *shader_dir, iso_error *err)
 iso_status iso_gl_create_on(iso_gl **out, const char *device, const char *shader_dir, iso_error *err)
 {
     *out = NULL;
-    iso_status status = find_libraries(err);
+    iso_status status = iso_gl_find_libraries(err);
     if (status != ISO_OK)
         return status;
     iso_gl *gl = calloc(1, sizeof *gl);

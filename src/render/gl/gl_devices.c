@@ -87,6 +87,8 @@ static bool has(const char *extension)
 static bool list(EGLDeviceEXT devices[MOST_DEVICES], EGLint *count)
 {
     *count = 0;
+    if (iso_gl_find_libraries(NULL) != ISO_OK)
+        return false;
     const bool lists = has("EGL_EXT_device_base") || has("EGL_EXT_device_enumeration");
     return lists && has("EGL_EXT_platform_device") && eglQueryDevicesEXT(MOST_DEVICES, devices, count);
 }
