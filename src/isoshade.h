@@ -170,7 +170,10 @@ typedef struct iso_open_options {
     bool raw_is_big_endian; /* byte order of its samples */
     bool stored;            /* True to ignore slope and intercept */
     int labels;             /* 1: a label map; -1: intensities; 0: by its samples */
-    const void *reserved[8];
+    bool resample;          /* True to interpolate slices at uneven distances, */
+    bool force_spacing;     /* or to take them for even */
+    const char *no_data;    /* values that are none, instead of the file's: "-2000", "LO,HI", or "none" */
+    const void *reserved[7];
 } iso_open_options;
 /* Opens a volume as iso_volume_open() does. ISO_E_USAGE also for options that contradict each other. */
 iso_status iso_volume_open_with(const char *path, const iso_open_options *options, iso_volume **volume, iso_error *err);

@@ -513,6 +513,39 @@ TEST(a_raw_file_is_opened_by_its_options)
     iso_volume_free(volume);
 }
 
+/* A rectilinear grid whose coordinates are not even: 0, 1 and 3. */
+TEST(uneven_coordinates_and_no_data_are_options)
+{
+    char path[512];
+    iso_volume *volume;
+    float values[16];
+    snprintf(path, sizeof path, "%s/uneven.vtk", folder);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    fputs("# vtk DataFile Version 3.0\nt\nASCII\nDATASET RECTILINEAR_GRID\nDIMENSIONS 3 2 2\nX_COORDINATES 3 float\n0 1 3\n"
+          "Y_COORDINATES 2 float\n0 1\nZ_COORDINATES 2 float\n0 1\nPOINT_DATA 12\nSCALARS s float\nLOOKUP_TABLE default\n"
+          "1 2 6 1 2 6 1 2 6 1 2 6\n",
+          file);
+    fclose(file);
+    iso_open_options o = {0};
+    assert_int_equal(iso_volume_open_with(path, &o, &volume, NULL), ISO_E_FORMAT);
+    o.resample = true;
+    assert_ok(iso_volume_open_with(path, &o, &volume, &err));
+    assert_int_equal(iso_volume_grid(volume).size[0], 4);
+    iso_volume_values(volume, values);
+    assert_within((double)values[2], 4, 0);
+    iso_volume_free(volume);
+    o.force_spacing = true;
+    assert_int_equal(iso_volume_open_with(path, &o, &volume, NULL), ISO_E_USAGE);
+    o.resample = false;
+    o.no_data = "5,7";
+    assert_ok(iso_volume_open_with(path, &o, &volume, &err));
+    assert_int_equal(iso_volume_grid(volume).size[0], 3);
+    iso_volume_values(volume, values);
+    assert_within((double)values[2], -0x1p100, 0);
+    iso_volume_free(volume);
+}
+
 TEST(a_scene_is_made_changed_and_written)
 {
     iso_pyramid *pyramid = ramp_pyramid(false);

@@ -51,7 +51,7 @@ class OpenOptions(ctypes.Structure):
     _fields_ = [("series", c_char_p), ("frame", c_char_p), ("channel", c_char_p), ("unit", c_char_p),
                 ("spacing", c_double * 3), ("raw_size", c_size_t * 3), ("raw_type", c_char_p),
                 ("raw_skip_bytes", c_size_t), ("raw_is_big_endian", c_bool), ("stored", c_bool), ("labels", c_int),
-                ("reserved", c_void_p * 8)]
+                ("resample", c_bool), ("force_spacing", c_bool), ("no_data", c_char_p), ("reserved", c_void_p * 7)]
 
 
 PROGRESS = ctypes.CFUNCTYPE(c_bool, c_void_p, c_char_p, c_double)

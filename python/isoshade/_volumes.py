@@ -268,11 +268,13 @@ class Pyramid(native.Handle):
 def open(path, *, series=None, frame=None, channel=None, spacing: Optional[Sequence[float]] = None,
          unit: Optional[str] = None, stored: bool = False, labels: Optional[bool] = None,
          raw_size: Optional[Sequence[int]] = None, raw_type: Optional[str] = None, raw_skip_bytes: int = 0,
-         raw_is_big_endian: bool = False) -> Union[Volume, Pyramid]:
+         raw_is_big_endian: bool = False, resample: bool = False, force_spacing: bool = False,
+         no_data: Union[str, float, Sequence[float], None] = None) -> Union[Volume, Pyramid]:
     """Opens a volume file or a folder of slices, or a pyramid NAME.iso.
 
     series, frame, channel: which volume of several. spacing (x, y, z) and unit replace the file's. raw_*: layout of a
-    file without a header.
+    file without a header. resample, force_spacing: interpolate slices at uneven distances, or take them for even.
+    no_data: a value, (lo, hi) or "none", instead of the file's.
     """
     if os.path.isfile(os.path.join(path, "pyramid.json")):
         return Pyramid._made_by("iso_pyramid_open", native.text(path))
@@ -282,4 +284,8 @@ def open(path, *, series=None, frame=None, channel=None, spacing: Optional[Seque
     o.raw_size[:] = raw_size or (0, 0, 0)
     o.raw_type, o.raw_skip_bytes, o.raw_is_big_endian = native.text(raw_type), raw_skip_bytes, raw_is_big_endian
     o.stored, o.labels = stored, 0 if labels is None else 1 if labels else -1
+    o.resample, o.force_spacing = resample, force_spacing
+    if no_data is not None and not isinstance(no_data, str):
+        no_data = ",".join(repr(float(v)) for v in (no_data if isinstance(no_data, Sequence) else [no_data]))
+    o.no_data = native.text(no_data)
     return Volume._made_by("iso_volume_open_with", native.text(path), byref(o))

@@ -94,7 +94,10 @@ iso_status iso_volume_open_with(const char *path, const iso_open_options *option
                                     .raw_big_endian = o->raw_is_big_endian,
                                     .stored = o->stored,
                                     .labels = o->labels > 0,
-                                    .no_labels = o->labels < 0};
+                                    .no_labels = o->labels < 0,
+                                    .resample = o->resample,
+                                    .force_spacing = o->force_spacing,
+                                    .no_data = (char *)o->no_data};
     return open_by(path, &input, volume, err);
 }
 
