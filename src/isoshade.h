@@ -444,6 +444,7 @@ typedef struct iso_page_options {
     const char *title;              /* NULL: "volume" */
     size_t most_voxels;             /* of the finest level of the page; 0: 32 million */
     int threads;                    /* 0: all cores */
+    bool compact;                   /* true: starts with the picture alone, for frames in other pages */
     iso_progress_callback progress; /* or NULL */
     void *progress_user;
     const void *reserved[8];

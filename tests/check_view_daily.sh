@@ -10,6 +10,12 @@ far = (x - 9) ** 2 + (y - 12) ** 2 + (z - 8) ** 2
 values = (1000 * numpy.exp(-far / 40) + 7 * x + 3 * y - 5 * z).transpose(2, 1, 0)
 turn = numpy.array([[0.3, -1.2, 0, 10], [1.5, 0.2, 0.1, -20], [-0.1, 0, 2, 5], [0, 0, 0, 1]])
 nibabel.save(nibabel.Nifti1Image(values.astype("int16"), turn), "patient.nii")
+series = numpy.stack([values, 2 * values, numpy.roll(values, 3, 0)], 3).astype("int16")
+nibabel.save(nibabel.Nifti1Image(series, turn), "steps.nii")
+label = numpy.zeros((14, 9, 8), "uint8")
+label[2:9, 3:7, 1:7], label[9:12, 2:8, 2:6] = 1, 2
+placed = numpy.array([[-1.7, 0, 0, 8], [0, 2.5, 0.2, -16], [0, 0, 4, 5], [0, 0, 0, 1]])
+nibabel.save(nibabel.Nifti1Image(label, placed), "over.nii")
 plain = nibabel.Nifti1Image(values.astype("float32"), None)
 plain.header.set_zooms((1, 1.5, 2))
 plain.header["qform_code"] = plain.header["sform_code"] = 0
@@ -27,17 +33,29 @@ daily() { PYTHONPATH="$top/tests:$top/tests/peers" "$python" "$top/tests/view_da
 "$python" -c 'import nibabel, numpy
 i = nibabel.load("plain.nii"); a = numpy.diag([1, 1.5, 2, 1]); a[:3, 3] = -(numpy.array(i.shape) - 1) / 2 * [1, 1.5, 2]
 nibabel.save(nibabel.Nifti1Image(numpy.asarray(i.dataobj), a), "placed.nii")'
+# all_true NAME LINES: the findings in out, of which there are at least as many
+all_true() {
+    while read -r finding value; do check "$1_$finding" test "$value" = true; done <out
+    check "$1_none_is_left_out" test "$(wc -l <out)" -ge "$2"
+}
 for name in patient plain; do
     "$ISOSHADE" view $name.nii -q -o $name.html || failed=1
     file=$name.nii
     [ $name = patient ] || file=placed.nii
     expect "the_slices_of_the_${name}_are_used" 0 daily slices $name.html $file
-    while read -r finding value; do
-        check "${name}_$finding" test "$value" = true
-    done <out
-    check "${name}_none_is_left_out" test "$(wc -l <out)" -ge 14
+    all_true $name 14
 done
 "$ISOSHADE" view named.seg.nrrd -q -o named.html || failed=1
 expect labels_are_shown 0 daily labels named.html
 check they_have_their_names grep -qx 'labels 2 left kidney; 7 Läsion; 11; 0' out
+expect files_are_opened 0 daily opened patient.html steps.nii over.nii
+all_true opened 7
+expect a_context_is_lost 0 daily lost patient.html
+all_true lost 4
+"$ISOSHADE" view patient.nii --compact -q -o compact.html || failed=1
+expect a_page_in_a_frame_is_used 0 daily framed compact.html outer.html
+all_true framed 5
+expect the_whole_page_is_no_compact_one 0 daily framed patient.html outer.html
+check and_that_is_noticed grep -qx 'the_picture_is_first false' out
+[ -z "${KEEP-}" ] || cp -- *.png "$KEEP"
 exit $failed

@@ -3,10 +3,17 @@
 line per finding.
 
 view_daily.py slices PAGE FILE.nii     pixels, values and places against nibabel's
-view_daily.py labels PAGE              names of labels"""
+view_daily.py labels PAGE              names of labels
+view_daily.py framed PAGE OUTER.html   the page in a frame that forbids to save, 420 pixels high
+view_daily.py opened PAGE STEPS OVER   a file of time steps, and another file over its slices
+view_daily.py lost PAGE                the context is lost and comes again"""
+import base64
+import html
 import json
+import os
 import re
 import sys
+import time
 
 import nibabel
 import numpy
@@ -172,5 +179,137 @@ def labels(path):
         say("labels", "; ".join(found))
 
 
+def lost(path):
+    picture = "[...isoshade.frames.measure(60, 40).rgba]"
+    with Chromium(size=(600, 400)) as page:
+        load(page, path)
+        before = page.evaluate(picture)
+        page.evaluate("window.losing = isoshade.context.gl.getExtension('WEBGL_lose_context'); losing.loseContext()")
+        page.wait("!document.getElementById('message').hidden")
+        say("it_is_lost", page.evaluate("isoshade.context.gl.isContextLost()"))
+        page.evaluate("losing.restoreContext()")
+        page.wait("document.getElementById('message').hidden")
+        page.evaluate("isoshade.frames.settled()")
+        say("it_comes_again", page.evaluate(picture) == before)
+        page.evaluate("document.getElementById('picture').focus()")
+        page.key("ArrowLeft")
+        page.evaluate("isoshade.frames.settled()")
+        say("and_is_used", page.evaluate(picture) != before)
+        say("no_exception", not any(e["method"] == "Runtime.exceptionThrown" for e in page.events))
+
+
+def choose(page, selector, path):
+    root = page.call("DOM.getDocument")["root"]["nodeId"]
+    node = page.call("DOM.querySelector", nodeId=root, selector=selector)["nodeId"]
+    page.call("DOM.setFileInputFiles", nodeId=node, files=[os.path.abspath(path)])
+    page.wait(f"document.getElementById('message').hidden && document.body.textContent.includes('{os.path.basename(path)}')")
+    page.evaluate("isoshade.frames.settled()")
+
+
+def opened(path, steps, over):
+    image, labels = nibabel.load(steps), nibabel.load(over)
+    values, affine = numpy.asarray(image.dataobj, float), image.affine
+    with Chromium(size=(1000, 800)) as page:
+        load(page, path)
+        choose(page, "#open", steps)
+        page.evaluate("document.getElementById('slices').click()")
+        right = []
+        for step in (2, 1, 0):
+            page.evaluate(f"isoshade.data.toStep({step}).then(() => isoshade.frames.settled())")
+            page.evaluate(f"Object.assign(isoshade.state, {{window: [{values.min()}, {values.max()}]}})")
+            right.append([largest_difference(page, values[..., t], affine, True, 0) <= 1 for t in range(3)])
+        say("each_step_shows_its_values", [r.index(True) for r in right] == [2, 1, 0] and sum(map(sum, right)) == 3)
+        say("the_command_names_the_step", page.evaluate("isoshade.data.input").endswith("--frame 0"))
+
+        # The label at the position of each pixel colors it; nothing else changes.
+        show(page, (9, 12, 8))
+        before = colors(page)
+        choose(page, "#slicing input[type=file]", over)
+        after = colors(page)
+        canonical = nibabel.as_closest_canonical(image)
+        at = numpy.round(numpy.linalg.solve(canonical.affine, affine @ [9, 12, 8, 1])).astype(int)
+        x, y = numpy.meshgrid(*[numpy.arange(n) for n in canonical.shape[:2]], indexing="ij")
+        world = canonical.affine @ numpy.array([x.ravel(), y.ravel(), numpy.full(x.size, at[2]), numpy.ones(x.size)])
+        there = numpy.linalg.solve(labels.affine, world)[:3]
+        index = numpy.clip(numpy.floor(there + 0.5).astype(int), -1, numpy.array(labels.shape)[:, None])
+        inside = numpy.all((index >= 0) & (index < numpy.array(labels.shape)[:, None]), 0)
+        label = numpy.zeros(x.size)
+        label[inside] = numpy.asarray(labels.dataobj)[tuple(index[:, inside])]
+        label = label.reshape(x.shape).T[::-1, ::-1]  # rows from the top, the patient's right at the left
+        say("labels_color_their_places", numpy.array_equal((before != after).any(-1), label > 0) and (label > 0).any())
+        say("shifted_labels_are_noticed", not numpy.array_equal((before != after).any(-1), numpy.roll(label, 1, 0) > 0))
+        page.evaluate("isoshade.data.overlay.cover = 1; isoshade.slices.draw()")
+        say("each_label_has_one_color", len({tuple(c) for c in colors(page)[label > 0]}) == len(set(label[label > 0])))
+        say("its_value_is_told", re.search(r"over\.nii \d+$", page.evaluate("document.getElementById('readout').textContent")))
+        page.screenshot(over + ".png")
+        say("no_exception", not any(e["method"] == "Runtime.exceptionThrown" for e in page.events))
+
+
+def colors(page):
+    """Colors of the axial slice, row 0 at the top."""
+    width, height, flat = page.evaluate(f"""(c => [c.width, c.height,
+        [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data]])({canvas(0)})""")
+    return numpy.array(flat).reshape(height, width, 4)[..., :3]
+
+
+class Frame:
+    """The frame in a page of Chromium, whether or not it has a process of its own."""
+
+    def __init__(self, page):
+        self.page, self.outer, self.more = page, page.session, {}
+        sessions = [e["params"]["sessionId"] for e in page.events if e["method"] == "Target.attachedToTarget"]
+        contexts = [e["params"]["context"] for e in page.events if e["method"] == "Runtime.executionContextCreated"]
+        if sessions:
+            self.outer = sessions[-1]
+        else:
+            self.more = {"contextId": contexts[-1]["id"]}
+
+    def evaluate(self, expression):
+        session, self.page.session = self.page.session, self.outer
+        try:
+            result = self.page.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True, **self.more)
+        finally:
+            self.page.session = session
+        if "exceptionDetails" in result:
+            raise RuntimeError(result["exceptionDetails"]["exception"].get("description", ""))
+        return result["result"].get("value")
+
+    def wait(self, expression):
+        for _ in range(400):
+            if self.evaluate(f"Boolean({expression})"):
+                return
+            time.sleep(0.05)
+        raise TimeoutError(expression)
+
+
+def framed(path, outer):
+    with open(path, encoding="utf-8") as f, open(outer, "w", encoding="utf-8") as out:
+        out.write("<!doctype html><style>body { margin: 0 } iframe { width: 700px; height: 420px; border: 0 }</style>"
+                  f'<iframe sandbox="allow-scripts" srcdoc="{html.escape(f.read())}"></iframe>')
+    with Chromium(size=(700, 500)) as page:
+        page.call("Target.setAutoAttach", autoAttach=True, waitForDebuggerOnStart=False, flatten=True)
+        page.open(outer, "document.readyState === 'complete'")
+        frame = Frame(page)
+        frame.wait("document.documentElement.dataset.ready || document.documentElement.dataset.failed")
+        frame.evaluate("isoshade.frames.settled()")
+        shown = "(e => e.getBoundingClientRect().toJSON())(document.getElementById('%s'))"
+        picture, panel = frame.evaluate(shown % "picture"), frame.evaluate(shown % "panel")
+        say("the_picture_is_first", picture["height"] >= 380 and picture["width"] == 700 and panel["width"] == 0)
+        frame.evaluate("document.getElementById('settings').click()")
+        panel = frame.evaluate(shown % "panel")
+        say("the_panel_lies_over_it", panel["height"] == 420 and panel["right"] == 700 and panel["width"] < 400)
+        buttons = frame.evaluate("""[...document.querySelectorAll('header button')].filter(b => b.offsetParent)
+            .map(b => b.getBoundingClientRect()).every(b => b.top >= 0 && b.left >= 0 && b.right <= 700)""")
+        say("buttons_are_in_the_frame", buttons)
+        frame.evaluate("document.getElementById('save-picture').click()")
+        link = "document.querySelector('#message a')?.href"
+        frame.wait(link)
+        data = base64.b64decode(frame.evaluate(link).partition(",")[2])
+        say("a_link_holds_the_picture", data[:8] == b"\x89PNG\r\n\x1a\n" and int.from_bytes(data[16:20], "big") == 700)
+        frame.evaluate("document.getElementById('settings').click()")
+        page.screenshot(outer + ".png")
+        say("no_exception", not any(e["method"] == "Runtime.exceptionThrown" for e in page.events))
+
+
 if __name__ == "__main__":
-    {"slices": slices, "labels": labels}[sys.argv[1]](*sys.argv[2:])
+    {"slices": slices, "labels": labels, "framed": framed, "opened": opened, "lost": lost}[sys.argv[1]](*sys.argv[2:])

@@ -6,6 +6,7 @@ view_page.py pictures FOLDER       FOLDER/NAME.html -> FOLDER/NAME.page.exr, of 
 view_page.py hands PAGE FOLDER     orbit, drag a point of the transfer function, save, use every control
 view_page.py saved PAGE FOLDER     saves pictures and the page after edits, opens the page and a link, undoes the edits
 view_page.py times PAGE SIZE       milliseconds until the first picture, and of a picture of SIZE pixels
+view_page.py load PAGE              the first picture, and the longest tasks of the page until all levels are read
 view_page.py link REPORT PAGE       follows the link of a row of level 1
 view_page.py shot PAGE FILE.jpg    a screenshot for the documentation
 view_page.py shots PAGE FOLDER     screenshots: wide and a telephone's, light and dark"""
@@ -343,6 +344,25 @@ def times(path, size):
         say("renderer", page.evaluate("isoshade.context.renderer"))
 
 
+def loading(path):
+    """Milliseconds, as the DevTools protocol traces the page's own thread; of a task also the processor's."""
+    with Chromium(size=(900, 700)) as page:
+        page.call("Tracing.start", transferMode="ReportEvents", traceConfig={"includedCategories": ["toplevel", "__metadata"]})
+        load(page, path)
+        first = page.evaluate("[document.documentElement.dataset.first, performance.getEntriesByType('navigation')[0].loadEventEnd]")
+        page.call("Tracing.end")
+        while not any(e["method"] == "Tracing.tracingComplete" for e in page.events):
+            page.events.append(page.receive())
+        events = [e for part in page.events if part["method"] == "Tracing.dataCollected" for e in part["params"]["value"]]
+        main = {(e["pid"], e["tid"]) for e in events if e.get("args", {}).get("name") == "CrRendererMain"}
+        tasks = [e for e in events if e["name"].endswith("RunTask") and (e["pid"], e["tid"]) in main]
+        say("first_picture_ms", first[0])
+        say("load_event_ms", round(first[1]))
+        say("tasks", len(tasks))
+        for key, name in (("dur", "longest_tasks_ms"), ("tdur", "of_the_processor_ms")):
+            say(name, " ".join(str(round(t / 1e3)) for t in sorted((e.get(key, 0) for e in tasks), reverse=True)[:8]))
+
+
 def shots(path, folder):
     with Chromium(size=(1200, 780)) as page:
         load(page, path)
@@ -381,5 +401,5 @@ if __name__ == "__main__":
     if sys.argv[1] == "times":
         times(sys.argv[2], int(sys.argv[3]))
     else:
-        commands = {"pictures": pictures, "hands": hands, "saved": saved, "shots": shots, "shot": shot, "link": link}
+        commands = {"pictures": pictures, "hands": hands, "saved": saved, "load": loading, "shots": shots, "shot": shot, "link": link}
         commands[sys.argv[1]](*sys.argv[2:])

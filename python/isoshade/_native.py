@@ -104,8 +104,8 @@ class ExportOptions(ctypes.Structure):
 
 
 class PageOptions(ctypes.Structure):
-    _fields_ = [("title", c_char_p), ("most_voxels", c_size_t), ("threads", c_int), ("progress", PROGRESS),
-                ("progress_user", c_void_p), ("reserved", c_void_p * 8)]
+    _fields_ = [("title", c_char_p), ("most_voxels", c_size_t), ("threads", c_int), ("compact", c_bool),
+                ("progress", PROGRESS), ("progress_user", c_void_p), ("reserved", c_void_p * 8)]
 
 
 class FrameRequest(ctypes.Structure):

@@ -251,17 +251,20 @@ class Pyramid(native.Handle):
                          byref(o), options=o, progress=progress)
 
     def page(self, *, scene=None, tf=None, view: Optional[str] = None, title: Optional[str] = None,
-             most_voxels: int = 0, progress: Progress = None) -> str:
-        """Returns an interactive page as HTML. most_voxels: of its finest level; 0: 32 million."""
+             most_voxels: int = 0, compact: bool = False, progress: Progress = None) -> str:
+        """Returns an interactive page as HTML.
+
+        most_voxels: of its finest level; 0: 32 million. compact: starts with the picture alone.
+        """
         made = scene_for(self, scene, tf, view, 0, None)
         o, page = native.PageOptions(), ctypes.c_void_p()
-        o.title, o.most_voxels = native.text(title), most_voxels
+        o.title, o.most_voxels, o.compact = native.text(title), most_voxels, compact
         native.call_long("iso_view_page", self._pointer, made._pointer, byref(o), byref(page), options=o,
                          progress=progress)
         return native.take_text(page)
 
     def _repr_html_(self):
-        page = html.escape(self.page(most_voxels=4_000_000))
+        page = html.escape(self.page(most_voxels=4_000_000, compact=True))
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 36em; border: 0"></iframe>'
 
 

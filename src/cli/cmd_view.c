@@ -24,7 +24,7 @@ typedef struct view_arguments {
     iso_volume_input input;
     iso_cli_look look;
     char *output, *codes, *plan;
-    int level, levels, floats, adapted, errors;
+    int level, levels, floats, adapted, errors, compact;
     double most;
 } view_arguments;
 
@@ -208,6 +208,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     iso_scene scene = {0};
     iso_subject_look look;
     iso_viewer v = {.pyramid = &pyramid, .scene = &scene, .floats = a->floats, .adapted = a->adapted, .errors = a->errors,
+                    .compact = a->compact,
                     .threads = cli->threads, .title = iso_provenance_title(path), .input = input,
                     .folder = is_pyramid ? path : NULL};
     iso_viewer_size size;
@@ -261,6 +262,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
          "keep float levels as floats, not as 16 bits; doubles the page's size", NULL},
         {"errors", 0, POPT_ARG_NONE, &a.errors, 0, "measure the error of each coarse level, not only of the finest",
          NULL},
+        {"compact", 0, POPT_ARG_NONE, &a.compact, 0, "start with the picture alone, for frames in other pages", NULL},
         {"adapt", 0, POPT_ARG_NONE, &a.adapted, 0, "start with transfer functions adapted to coarse levels", NULL},
         ISO_CLI_INPUT_OPTIONS(&a.input),
         POPT_TABLEEND,

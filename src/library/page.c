@@ -21,6 +21,7 @@ static iso_viewer viewer_of(const iso_pyramid *p, const iso_scene *scene, const 
                     .title = o->title ? o->title : "volume",
                     .first = iso_viewer_finest_level(p, o->most_voxels ? (double)o->most_voxels
                                                                        : ISO_VIEWER_MOST_VOXELS),
+                    .compact = o->compact,
                     .code_count = 1,
                     .codes = {p->options.code},
                     .threads = o->threads};

@@ -22,14 +22,56 @@ const numbersOf = (packed, d) => {
     return numbers;
 };
 
-// Reads an array's element and drops its text, which would otherwise stay in memory; the browser may keep the blob on
-// disk until the page is saved.
-const readArray = async d => {
-    const element = document.getElementById(d.array), packed = await inflate(fromBase64(element.textContent));
-    d.text = new Blob([element.textContent]);
+// Numbers of an array's text; of a level's scalars, with the ranges of its bricks.
+const decodeArray = async (text, d) => {
+    const packed = await inflate(fromBase64(await text.text())), {count, components, bytes} = d;
+    if (packed.length !== count * components * bytes)
+        throw new Error(`${d.array}: ${packed.length} bytes, expected ${count * components * bytes}`);
+    const whole = numbersOf(packed, d), numbers = d.kind === 'float' ? new Float32Array(whole.buffer) : whole;
+    return {numbers, ranges: d.size && brickRanges(numbers, d.size)};
+};
+// The same in a worker, so that the page goes on; here if the browser forbids workers.
+const makeDecoder = () => {
+    const parts = {fromBase64, inflate, numbersOf, brickVoxels, brickRanges, decodeArray}, waiting = new Map();
+    const script = Object.entries(parts).map(([name, part]) => `const ${name} = ${part};\n`).join('') + `onmessage = ({data: {n, text, d}}) =>
+        decodeArray(text, d).then(done => postMessage({n, done}, [done.numbers.buffer]), problem => postMessage({n, problem: String(problem)}));`;
+    let worker = null, count = 0;
+    const end = () => {
+        for (const {fail} of waiting.values()) fail();
+        waiting.clear();
+        worker = null;
+    };
+    try {
+        worker = new Worker(URL.createObjectURL(new Blob([script])));
+        worker.onerror = end;
+        worker.onmessage = ({data: {n, done}}) => {
+            const {take, fail} = waiting.get(n);
+            waiting.delete(n);
+            if (done) take(done);
+            else fail();
+        };
+    } catch { /* forbidden */ }
+    return (text, d) => new Promise((take, fail) => {
+        if (!worker) return fail();
+        waiting.set(++count, {take, fail});
+        worker.postMessage({n: count, text, d});
+    }).catch(() => decodeArray(text, d));
+};
+
+// Drops an element and returns its text, taken in parts so that the page goes on. It would otherwise stay in memory; the
+// browser may keep the blob on disk until the page is saved.
+const takeText = async element => {
+    const parts = [], most = 2 ** 20;
+    for (const node of element.childNodes)
+        for (let at = 0; at < node.length; at += most) {
+            parts.push(new Blob([node.substringData(at, most)]));
+            if (node.length > most) await pause();
+        }
     element.remove();
-    if (packed.length !== d.count * d.components * d.bytes) throw new Error(`${d.array}: ${packed.length} bytes, expected ${d.count * d.components * d.bytes}`);
-    const numbers = numbersOf(packed, d);
-    return d.kind === 'float' ? new Float32Array(numbers.buffer) : numbers;
+    return new Blob(parts);
+};
+const readArray = async (decode, d, size) => {
+    d.text = await takeText(document.getElementById(d.array));
+    return decode(d.text, {...d, text: undefined, size});
 };
 const megabytes = bytes => bytes >= 995e4 ? `${Math.round(bytes / 1e6)} MB` : bytes >= 995e2 ? `${(bytes / 1e6).toFixed(1)} MB` : `${Math.max(1, Math.round(bytes / 1e3))} kB`;

@@ -39,10 +39,10 @@ const uploadLayout = (context, level) => {
     return texture;
 };
 
-const readPlan = async level => {
-    const numbers = await readArray(level.scalar), code = level.codes[0];
-    code.numbers = await readArray(code);
-    level.layout.numbers = await readArray(level.layout);
+const readPlan = async (level, read) => {
+    const {numbers} = await read(level.scalar), code = level.codes[0];
+    code.numbers = (await read(code)).numbers;
+    level.layout.numbers = (await read(level.layout)).numbers;
     level.numbers = numbers;
     level.ranges = rangesOfBricks(level, level.layout.numbers);
 };

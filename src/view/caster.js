@@ -28,10 +28,10 @@ const makeCaster = (context, data) => {
         }
         return made;
     };
-    const scalarOf = level => level.scalarTexture ??= uploadScalar(context, level);
+    const scalarOf = level => level.scalarTexture ??= allSteps(uploadScalar(context, level));
     const codeOf = (level, name) => {
         const code = level.codes.find(c => c.name === name);
-        if (code) code.texture ??= uploadCodes(context, level, code);
+        if (code) code.texture ??= allSteps(uploadCodes(context, level, code));
         return code;
     };
 
@@ -100,20 +100,37 @@ const makeCaster = (context, data) => {
     };
     const bind = (unit, kind, texture) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(kind, texture); };
 
-    // Draws rows [from, to) of the target and waits for them. Returns the milliseconds. With q.height the target holds
-    // only a part of a picture of this height, from q.firstRow.
+    // The program of a request, as context.program() and context.compiled() take it.
+    const programOf = (q, scalar, skip) => {
+        const {level} = q, code = q.code ? level.codes.find(c => c.name === q.code) : null;
+        const byHand = scalar.byHand || (q.vectors && !context.floatFilter);
+        return [['code_decode.h', 'raycast.glsl'], {
+            DIRECTION_SOURCE: code ? 'SOURCE_CODES' : q.vectors ? 'SOURCE_VECTORS' : 'SOURCE_ON_THE_FLY',
+            DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR', OUTPUT: 'OUTPUT_INTEGRAL', LIGHT_COUNT: q.lights.length,
+            SPECULAR: Number((q.shading.specular ?? 0) > 0), SHADE_TABLE: 0, SKIP_EMPTY: Number(skip), SCREEN_TILE: 0,
+            PREINTEGRATED: 0, EXACT: 0, ROI: Number(Boolean(q.roi)), BRICKS: Number(Boolean(level.isPlan)), TF_2D_ROWS: 0,
+            EXTINCTION_SCALE: 'SCALE_NONE', SCALAR_WITH_DIRECTIONS: 0, PAGES: 1, FILTERED_BY_HAND: byHand ? 1 : undefined,
+        }];
+    };
+    // A brick may be empty in one level of two only.
+    const skips = q => !q.roi && tableOf(q.level, q.tf, q.adapted, q.table).skip;
+    // Resolves when the program of a request is compiled.
+    const compiled = q => context.compiled(...programOf(q, scalarOf(q.level), skips(q)));
+    // Uploads a level's textures before they are needed, in steps. The level is not shown yet.
+    const prepare = async (level, numbers, codeName) => {
+        level.scalarTexture = await slowSteps(uploadScalar(context, {...level, numbers}), context);
+        const code = level.codes.find(c => c.name === codeName);
+        if (code) code.texture = await slowSteps(uploadCodes(context, level, code), context);
+    };
+
+    // Draws rows [from, to) of the target. With q.height the target holds only a part of a picture of this height, from
+    // q.firstRow.
     const draw = (q, target, from = 0, to = target.height) => {
-        const {level} = q, scalar = scalarOf(level), code = q.code ? codeOf(level, q.code) : null, table = tableOf(level, q.tf, q.adapted, q.table);
+        const {level} = q, scalar = scalarOf(level), code = q.code ? codeOf(level, q.code) : null;
+        const table = tableOf(level, q.tf, q.adapted, q.table), skip = skips(q);
         const vectors = q.vectors ? level.vectorTexture ??= uploadVectors(context, level) : null;
         const fine = q.roi ? {scalar: scalarOf(q.roi.level), code: codeOf(q.roi.level, q.code), table: tableOf(q.roi.level, q.tf, q.adapted && q.roi.level.level > 0)} : null;
-        const skip = table.skip && !fine; // a brick may be empty in one level only
-        const program = context.program(['code_decode.h', 'raycast.glsl'], {
-            DIRECTION_SOURCE: code ? 'SOURCE_CODES' : vectors ? 'SOURCE_VECTORS' : 'SOURCE_ON_THE_FLY', DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR',
-            OUTPUT: 'OUTPUT_INTEGRAL', LIGHT_COUNT: q.lights.length, SPECULAR: Number((q.shading.specular ?? 0) > 0), SHADE_TABLE: 0,
-            SKIP_EMPTY: Number(skip), SCREEN_TILE: 0, PREINTEGRATED: 0, EXACT: 0, ROI: Number(Boolean(fine)), BRICKS: Number(Boolean(level.isPlan)), TF_2D_ROWS: 0, EXTINCTION_SCALE: 'SCALE_NONE',
-            SCALAR_WITH_DIRECTIONS: 0,
-            PAGES: 1, FILTERED_BY_HAND: scalar.byHand || (vectors && !context.floatFilter) ? 1 : undefined,
-        });
+        const program = context.program(...programOf(q, scalar, skip));
         program.use();
         setCamera(program, {...q, width: target.width, height: q.height ?? target.height}, level);
         setField(program, level, scalar, code, table);
@@ -133,21 +150,23 @@ const makeCaster = (context, data) => {
         gl.viewport(0, 0, target.width, target.height);
         gl.enable(gl.SCISSOR_TEST);
         gl.scissor(0, from, target.width, to - from);
-        const start = performance.now();
         gl.drawArrays(gl.TRIANGLES, 0, 3);
         gl.disable(gl.SCISSOR_TEST);
-        context.read(target, 0, from, 1, 1);
-        return performance.now() - start;
     };
     const bytes = () => data.levels.reduce((sum, l) => sum + (l.scalarTexture?.bytes ?? 0) + (l.codes || []).reduce((s, c) => s + (c.texture?.bytes ?? 0), 0), 0);
-    // Another volume: frees all textures of the old one.
+    // Frees all textures: for another volume, and after the context was lost.
     const forget = levels => {
-        for (const table of tables.values()) { gl.deleteTexture(table.texture); if (table.occupancy) gl.deleteTexture(table.occupancy); }
+        for (const table of tables.values()) {
+            gl.deleteTexture(table.texture);
+            if (table.occupancy) gl.deleteTexture(table.occupancy);
+        }
         tables.clear();
         for (const l of levels) {
             for (const t of [l.scalarTexture, ...l.codes.map(c => c.texture)]) if (t) gl.deleteTexture(t.texture);
             if (l.layoutTexture) gl.deleteTexture(l.layoutTexture);
+            l.scalarTexture = l.layoutTexture = undefined;
+            for (const code of l.codes) code.texture = undefined;
         }
     };
-    return {draw, bytes, tableOf, forget};
+    return {draw, compiled, prepare, bytes, tableOf, forget};
 };

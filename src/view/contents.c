@@ -286,12 +286,12 @@ iso_status iso_contents_make(const iso_viewer *v, const iso_progress *progress, 
     memset(contents, 0, sizeof *contents);
     json_t *levels = json_array(), *codes = json_array();
     json_t *root = contents->root =
-        json_pack("{s:s, s:s, s:s, s:s, s:[f,f], s:f, s:b, s:b, s:b, s:o, s:o, s:o}", "schema", "isoshade.view/1",
+        json_pack("{s:s, s:s, s:s, s:s, s:[f,f], s:f, s:b, s:b, s:b, s:b, s:o, s:o, s:o}", "schema", "isoshade.view/1",
                   "title", v->title, "input", v->input ? v->input : v->title, "made_by", "isoshade " ISO_VERSION,
                   "value_range", iso_pyramid_lo(v->pyramid), iso_pyramid_hi(v->pyramid), "mean_spacing_mm",
                   iso_geometry_mean_spacing_mm(level0), "is_patient", level0->is_patient, "has_no_data",
-                  level0->has_no_data, "adapted", v->adapted, "scene", iso_scene_to_json(v->scene), "levels", levels,
-                  "codes", codes);
+                  level0->has_no_data, "compact", v->compact, "adapted", v->adapted, "scene",
+                  iso_scene_to_json(v->scene), "levels", levels, "codes", codes);
     json_object_set_new(root, "geometry", geometry_json(level0));
     if (v->pyramid->segments)
         json_object_set(root, "segments", v->pyramid->segments);

@@ -69,7 +69,9 @@ const makeControls = (data, state, frames, editor, page) => {
             labeled(`directions${side}`, directions), row, cost,
         ];
     };
-    const drawWhat = () => refill($('what'), ...what('', state));
+    const [{steps, shownStep}] = data.levels;
+    const time = () => slider('time step', {min: 0, max: steps - 1, step: 1, value: shownStep ?? 0}, v => data.toStep(v));
+    const drawWhat = () => refill($('what'), ...(steps > 1 ? [time()] : []), ...what('', state));
 
     const presets = [['scene', 'of the scene'], ...data.presets.map(p => [p.name, p.name]), ['edited', 'edited']];
     const preset = choice(presets, 'scene', name => {

@@ -4,7 +4,7 @@
 const histogramOf = (level, [lo, hi]) => {
     const whole = level.scalar.kind === 'integer' && hi - lo < 512, bins = whole ? hi - lo + 1 : 256;
     if (whole) [lo, hi] = [lo - 0.5, hi + 0.5];
-    const counts = new Float64Array(bins), {numbers, scalar} = level, factor = bins / ((hi - lo) || 1), stride = Math.max(1, Math.floor(numbers.length / 4e6));
+    const counts = new Float64Array(bins), {numbers, scalar} = level, factor = bins / ((hi - lo) || 1), stride = Math.floor(numbers.length / 5e5) | 1; // odd: not the same columns only
     for (let i = 0; i < numbers.length; i += stride) {
         const value = valueOfNumber(level, numbers[i]);
         if (hasData(level, value)) ++counts[clamp(Math.floor((value - lo) * factor), 0, bins - 1)];
@@ -18,7 +18,7 @@ const jointPicture = (level, [lo, hi]) => {
     const {numbers, scalar, size: [nx, ny, nz]} = level, whole = scalar.kind === 'integer' && hi - lo < 256;
     const width = whole ? hi - lo + 1 : 256, height = 48; // rows wider than the gradient steps of integers
     const least = Math.min(...spacings(level)), [sx, sy, sz] = spacings(level).map(s => 0.5 * least / s), column = (width - (whole ? 0 : 1)) / ((hi - lo + (whole ? 1 : 0)) || 1);
-    const step = Math.max(1, Math.round(Math.cbrt(nx * ny * nz / 2e6))), columns = [], magnitudes = [];
+    const step = Math.max(1, Math.round(Math.cbrt(nx * ny * nz / 3e5))), columns = [], magnitudes = [];
     for (let z = 1; z < nz - 1; z += step) for (let y = 1; y < ny - 1; y += step) for (let x = 1; x < nx - 1; x += step) {
         const i = x + nx * (y + ny * z);
         const around = [0, 1, -1, nx, -nx, nx * ny, -nx * ny];

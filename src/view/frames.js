@@ -10,7 +10,7 @@ const topFirst = (bytes, width, rows) => {
 
 const makeFrames = (context, caster, data, state, canvas, told) => {
     const {gl} = context, bandMs = 45, movingMs = 60;
-    const display = context.program(['display.glsl']), targets = new Map();
+    const targets = new Map();
     let asked = 0, moving = false, perPixel = 2e-3, running = false, shown = {}; // perPixel: milliseconds, of the last
                                                                                  // bands; initially for software GL
 
@@ -29,6 +29,7 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
     };
     // Converts one or two pictures to display colors.
     const present = (frame, a, b, width, height) => {
+        const display = context.program(['display.glsl']);
         gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
         gl.viewport(0, 0, width, height);
         display.use();
@@ -47,19 +48,22 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
         present(null, a, b, width, height);
         shown = {a, b};
     };
-    const pause = () => new Promise(done => setTimeout(done, 0));
 
     // Draws one side at a size; null if a newer picture was requested meanwhile.
     const drawSide = async (side, kind, width, height, version) => {
         const target = targetOf(`${kind} ${side}`, width, height), q = {...requestOf(data, state, side), camera: camera(width / height)};
         let spent = 0;
+        await Promise.all([caster.compiled(q), context.compiled(['display.glsl'])]);
+        if (version !== asked) return null;
         for (let from = 0; from < height;) {
             const rows = kind === 'quick' ? height : Math.max(8, Math.round(bandMs / Math.max(perPixel * width, 1e-9)));
-            const to = Math.min(height, from + rows), ms = caster.draw(q, target, from, to);
+            const to = Math.min(height, from + rows), start = performance.now();
+            caster.draw(q, target, from, to);
+            await context.finished();
+            const ms = performance.now() - start;
             spent += ms;
             if (from === 0 || rows > 32) perPixel = 0.5 * perPixel + 0.5 * ms / ((to - from) * width);
             from = to;
-            if (from < height) await pause();
             if (version !== asked) return null;
         }
         return {target, ms: spent, q};
@@ -98,7 +102,12 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
     const measure = (width, height, side = 'a', repeats = 1) => {
         const target = context.target(width, height), q = {...requestOf(data, state, side), camera: camera(width / height)};
         let ms = Infinity;
-        for (let i = 0; i < repeats; ++i) ms = Math.min(ms, caster.draw(q, target));
+        for (let i = 0; i < repeats; ++i) {
+            const start = performance.now();
+            caster.draw(q, target);
+            context.read(target, 0, 0, 1, 1);
+            ms = Math.min(ms, performance.now() - start);
+        }
         const rgba = context.read(target);
         target.free();
         return {rgba, ms};
@@ -114,12 +123,17 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
             const out = context.target(width, rows, {bytes: true});
             sides.forEach((side, i) => caster.draw({...requestOf(data, state, side), ...part}, targets[i]));
             present(out.frame, targets[0], targets[1], width, rows);
+            await context.finished();
             take(topFirst(context.read(out), width, rows), from, rows);
             for (const target of [...targets, out]) target.free();
             from += rows;
-            await pause();
             if (asked !== before) throw new Error('the picture changed while it was saved; save it again');
         }
     };
-    return {ask, reshow, settled, measure, bands, size, camera};
+    // After the context was lost: its pictures are gone.
+    const forget = () => {
+        targets.clear();
+        shown = {};
+    };
+    return {forget, ask, reshow, settled, measure, bands, size, camera};
 };

@@ -27,12 +27,14 @@ const brickRanges = (numbers, size) => {
     return {count, least, most};
 };
 
-// Wider by a thousandth of an entry, because textures are looked up in float.
-const tableShows = (table, min, max) => {
-    const last = table.count - 1, perValue = last / (table.hi - table.lo);
-    const first = clamp((min - table.lo) * perValue - 1e-3, 0, last), end = clamp((max - table.lo) * perValue + 1e-3, 0, last);
-    for (let i = Math.floor(first); i <= Math.ceil(end); ++i) if (table.entries[4 * i + 3] > 0) return true;
-    return false;
+// True if a table shows values of a range. Wider by a thousandth of an entry, because textures are looked up in float.
+const shownBy = table => {
+    const last = table.count - 1, perValue = last / (table.hi - table.lo), before = new Uint32Array(table.count + 1);
+    for (let i = 0; i <= last; ++i) before[i + 1] = before[i] + (table.entries[4 * i + 3] > 0);
+    return (min, max) => {
+        const first = clamp((min - table.lo) * perValue - 1e-3, 0, last), end = clamp((max - table.lo) * perValue + 1e-3, 0, last);
+        return before[Math.ceil(end) + 1] > before[Math.floor(first)];
+    };
 };
 
 // Chessboard distances: a forward and a backward sweep over the neighbors visited before.
@@ -50,10 +52,11 @@ const sweep = (count, distance, direction) => {
     }
 };
 const occupancyOf = (ranges, form, table) => {
-    const distance = new Uint8Array(ranges.least.length);
+    const distance = new Uint8Array(ranges.least.length), isShown = shownBy(table);
     let occupied = 0;
     for (let i = 0; i < distance.length; ++i) {
-        const shows = ranges.least[i] <= ranges.most[i] && tableShows(table, form.zero + ranges.least[i] * form.step, form.zero + ranges.most[i] * form.step);
+        const [least, most] = [ranges.least[i], ranges.most[i]];
+        const shows = least <= most && isShown(form.zero + least * form.step, form.zero + most * form.step);
         distance[i] = shows ? 0 : 255;
         occupied += shows;
     }

@@ -24,8 +24,12 @@ const levelOfVolume = ({type, geometry, values}) => {
 
 const openFile = async (file, most) => {
     if (file.size === 0) throw new Error('the file is empty');
-    const bytes = new Uint8Array(await file.arrayBuffer()), isNrrd = bytes[0] === 78 && bytes[1] === 82 && bytes[2] === 82 && bytes[3] === 68;
-    const level = levelOfVolume(await (isNrrd ? parseNrrd : parseNifti)(bytes));
+    const packed = new Uint8Array(await file.arrayBuffer()), isNrrd = String.fromCharCode(...packed.subarray(0, 4)) === 'NRRD';
+    const bytes = packed[0] === 0x1f && packed[1] === 0x8b ? await gunzip(packed) : packed;
+    const read = async step => isNrrd ? parseNrrd(bytes) : parseNifti(bytes, step);
+    const first = await read(0), level = levelOfVolume(first);
+    level.steps = first.steps ?? 1;
+    level.readStep = async step => levelOfVolume(await read(step));
     if (level.size.some(n => !(n > 0 && n <= most))) throw new Error(`a volume of ${level.size.join(' x ')}, limit of this browser's textures: ${most} per side`);
     return level;
 };
@@ -45,7 +49,7 @@ const replaceVolume = (data, state, level, name) => {
     // isoshade may treat integers as labels, which are not interpolated.
     const {is_patient, has_no_data, min, max} = level;
     Object.assign(data, {
-        title: name, input: quoted(name) + ' --no-labels', levels: [level], codes: [], presets, geometry: level, geometry0: level,
+        title: name, input: quoted(name) + ' --no-labels' + (level.steps > 1 ? ' --frame 0' : ''), levels: [level], codes: [], presets, geometry: level, geometry0: level,
         segments: null, is_patient, has_no_data, value_range: [min, max], mean_spacing_mm: spacing,
     });
     const plain = {level: 0, code: null, adapted: false};
@@ -56,13 +60,21 @@ const replaceVolume = (data, state, level, name) => {
     data.scene = {...data.scene, image: {width: state.sceneAspect, height: 1}, camera: {...cameraJson(state.camera)}, clip_planes: [], tf: state.tf};
 };
 
+// Shows another time step. The transfer function keeps its values.
+const changeStep = async (data, state, caster, step) => {
+    const [level] = data.levels, {numbers, scalar, min, max, has_no_data} = await level.readStep(step);
+    caster.forget(data.levels);
+    Object.assign(level, {numbers, scalar, min, max, window: undefined, ranges: undefined, shownStep: step});
+    Object.assign(data, {has_no_data, input: data.input.replace(/( --frame \d+)?$/, ` --frame ${step}`)});
+};
+
+const takeFile = async (file, opened) => {
+    if (!file) return;
+    say(`reading ${file.name}`);
+    try { await opened(file); say(''); } catch (problem) { say(`${file.name}: ${problem.message}`); }
+};
 // Files may be dropped anywhere: a file that missed the picture would replace the page with all edits.
 const acceptFiles = (frame, chooser, opened) => {
-    const take = async file => {
-        if (!file) return;
-        say(`reading ${file.name}`);
-        try { await opened(file); say(''); } catch (problem) { say(`${file.name}: ${problem.message}`); }
-    };
     const hasFiles = e => e.dataTransfer.types.includes('Files');
     document.addEventListener('dragover', e => { if (hasFiles(e)) { e.preventDefault(); frame.classList.add('drop'); } });
     document.addEventListener('dragleave', e => { if (!e.relatedTarget) frame.classList.remove('drop'); });
@@ -70,10 +82,10 @@ const acceptFiles = (frame, chooser, opened) => {
         if (!hasFiles(e)) return;
         e.preventDefault();
         frame.classList.remove('drop');
-        take(e.dataTransfer.files[0]);
+        takeFile(e.dataTransfer.files[0], opened);
     });
     chooser.addEventListener('change', async () => {
-        await take(chooser.files[0]);
+        await takeFile(chooser.files[0], opened);
         chooser.value = ''; // allows to choose the same file again
     });
 };

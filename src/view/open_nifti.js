@@ -26,8 +26,9 @@ const niftiAffine = (float, short) => {
     return {columns: [0, 1, 2].map(a => [0, 1, 2].map(i => i === a ? checkedSpacing(Math.abs(pixdim[a + 1])) : 0)), center: null};
 };
 
-const parseNifti = async packed => {
-    const bytes = packed[0] === 0x1f && packed[1] === 0x8b ? await gunzip(packed) : packed, view = new DataView(bytes.buffer, bytes.byteOffset);
+// Reads one of the file's time steps.
+const parseNifti = (bytes, step) => {
+    const view = new DataView(bytes.buffer, bytes.byteOffset);
     const headerBytes = little => bytes.length >= 4 ? view.getInt32(0, little) : 0;
     if (headerBytes(true) === 540 || headerBytes(false) === 540) throw new Error('a NIfTI-2 file; the page reads NIfTI-1, isoshade view both');
     const little = headerBytes(true) === niftiHeaderBytes, short = o => view.getInt16(o, little), float = o => view.getFloat32(o, little);
@@ -37,8 +38,10 @@ const parseNifti = async packed => {
     const type = niftiTypes[short(70)], unit = view.getUint8(123) & 7, mm = [1, 1e3, 1, 1e-3][unit];
     if (!type) throw new Error(`a NIfTI file of data type ${short(70)}; the page reads integers, float and double`);
     if (!mm) throw new Error(`its unit of lengths has the code ${unit}, which NIfTI does not define`);
-    const size = threeSizes(Array.from({length: clamp(short(40), 0, 7)}, (_, a) => short(42 + 2 * a)), 'NIfTI');
+    const sizes = Array.from({length: clamp(short(40), 0, 7)}, (_, a) => short(42 + 2 * a)), steps = Math.max(1, sizes[3] ?? 1);
+    const size = threeSizes(sizes.map((n, axis) => axis === 3 ? 1 : n), 'NIfTI');
+    const stepBytes = size[0] * size[1] * size[2] * sampleArrays[type].BYTES_PER_ELEMENT, offset = Math.round(float(108)) + step * stepBytes;
     const {columns, center} = niftiAffine(float, short), slope = float(112), intercept = float(116), scaled = Number.isFinite(slope) && slope !== 0 && Number.isFinite(intercept);
-    return {geometry: geometryOf(size, columns.map(c => scale(c, mm)), center && scale(center, mm), Boolean(center)),
-        ...decodeSamples(bytes, Math.round(float(108)), size, type, little, ...(scaled ? [slope, intercept] : []))};
+    return {steps, geometry: geometryOf(size, columns.map(c => scale(c, mm)), center && scale(center, mm), Boolean(center)),
+        ...decodeSamples(bytes, offset, size, type, little, ...(scaled ? [slope, intercept] : []))};
 };

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: MIT
 // save.js - what leaves the page: files, pictures of any size, the page with its edits, and links to its state.
 const saveBlob = (name, blob) => {
-    const link = document.createElement('a');
-    link.href = URL.createObjectURL(blob);
-    link.download = name;
+    const link = element('a', {href: URL.createObjectURL(blob), download: name});
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    if (self !== top) offerLink(name, blob);
+};
+// A page around this one may forbid to save, without a word; a person may still save the target of a link.
+const offerLink = (name, blob) => {
+    const reader = new FileReader(), link = element('a', {download: name, textContent: name});
+    reader.onload = () => {
+        link.href = reader.result;
+        say('If nothing was saved, save the target of this link: ', link);
+    };
+    reader.readAsDataURL(blob);
 };
 const textOf = json => JSON.stringify(json, null, 2) + '\n';
 const saveJson = (name, json) => saveBlob(name, new Blob([textOf(json)], {type: 'application/json'}));
@@ -76,7 +84,8 @@ const makeHistory = (data, state, restored) => {
     const toAddress = async text => {
         const change = ++changes, link = await linkText(text);
         if (change !== changes) return;
-        try { history.replaceState(null, '', `#state=${link}`); } catch { /* a page within a page has no address */ }
+        const kept = document.body.classList.contains('compact') && !data.compact ? 'compact&' : '';
+        try { history.replaceState(null, '', `#${kept}state=${link}`); } catch { /* a page within a page has no address */ }
     };
     const go = by => {
         if (!(at + by in steps)) return;

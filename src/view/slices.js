@@ -80,13 +80,18 @@ const makeSlices = (root, data, state, moved) => {
         moved();
     };
 
+    const valueThere = (level, point) => {
+        const index = toIndex(level, point);
+        return isInside(level, index) ? voxelValue(level, voxelAt(level, index)) : NaN;
+    };
     const about = point => {
         const level = shown(), index = toIndex(level, point), voxel = voxelAt(level, index);
         if (!isInside(level, index)) return '';
         const value = voxelValue(level, voxel), name = data.segments?.find(s => s.label === value)?.name;
         const of = level.level ? ` of level ${level.level}` : '', named = name ? ` ${name}` : '';
-        const text = Number.isNaN(value) ? 'no data' : Number(value.toPrecision(7)) + named;
-        return `voxel ${voxel.join(' ')}${of} · ${point.map(x => x.toFixed(2)).join(', ')} mm · ${text}`;
+        const text = Number.isNaN(value) ? 'no data' : Number(value.toPrecision(7)) + named, over = data.overlay;
+        const other = over ? ` · ${over.name} ${Number(valueThere(over.level, point).toPrecision(7))}` : '';
+        return `voxel ${voxel.join(' ')}${of} · ${point.map(x => x.toFixed(2)).join(', ')} mm · ${text}${other}`;
     };
     const lengthText = () => {
         const points = state.measure;
@@ -126,7 +131,8 @@ const makeSlices = (root, data, state, moved) => {
 
     const layersOf = level => {
         const colors = state.colors ? colorsOf(state.tf, level, data.value_range) : null;
-        return [{level, window: level.labels ? null : windowNow(), colors, cover: 1}];
+        const own = {level, window: level.labels ? null : windowNow(), colors, cover: 1}, over = data.overlay;
+        return over ? [own, {level: over.level, colors: overlayColors(over), cover: over.cover}] : [own];
     };
     const drawPlane = (n, level, layers) => {
         const plane = planeNow(n), {canvas, svg, name, letters} = cells[n], {width, height} = plane;
@@ -155,7 +161,9 @@ const makeSlices = (root, data, state, moved) => {
         tell();
         if (!state.slices) return;
         const level = shown(), {cross, measure, neurological, colors, tf} = state;
-        const key = JSON.stringify([data.title, level.level, cross, windowNow(), measure, neurological, colors && tf]);
+        const over = data.overlay && [data.overlay.name, data.overlay.range, data.overlay.cover];
+        const look = [windowNow(), measure, neurological, colors && tf, over];
+        const key = JSON.stringify([data.title, level.level, level.shownStep, cross, look]);
         if (key === drawn) return;
         drawn = key;
         if (!state.window) panel();
@@ -188,8 +196,30 @@ const makeSlices = (root, data, state, moved) => {
         });
         refill($('slicing'), bound('black', 0), bound('white', 1), check('colors of the transfer function', 'colors'),
             ...(data.is_patient ? [check("the patient's right at the right", 'neurological')] : []),
-            element('div', {className: 'buttons'}, measure));
+            element('div', {className: 'buttons'}, measure), ...overlayPanel());
         tell();
+    };
+    // A second volume, in colors of its own.
+    const overlayPanel = () => {
+        const over = data.overlay, file = element('input', {type: 'file', accept: '.nrrd,.nii,.gz'});
+        file.addEventListener('change', () => takeFile(file.files[0], async chosen => {
+            data.overlay = overlayOf(await openFile(chosen, Infinity), chosen.name);
+            state.slices = true;
+            panel();
+            moved();
+        }));
+        const set = change => {
+            Object.assign(over, change);
+            moved();
+        };
+        const {min, max} = over?.level ?? {}, limits = {min, max, step: 'any'};
+        return [labeled(over?.name ?? 'file over them', file), ...(over ? [
+            slider('cover', {min: 0, max: 1, step: 0.01, value: over.cover}, cover => set({cover})),
+            ...(over.isLabels ? [] : [
+                slider('clear below', {...limits, value: over.range[0]}, v => set({range: [v, over.range[1]]})),
+                slider('white from', {...limits, value: over.range[1]}, v => set({range: [over.range[0], v]})),
+            ]),
+        ] : [])];
     };
     $('slices').onclick = () => {
         state.slices = !state.slices;

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: MIT
 // start.js - reads the coarsest level, draws it, then reads finer ones as the browser loads them.
-const say = text => {
+const say = (...parts) => {
     const message = document.getElementById('message');
-    message.firstElementChild.textContent = text;
-    message.hidden = !text;
+    message.firstElementChild.replaceChildren(...parts);
+    message.hidden = !message.firstElementChild.textContent;
 };
 const start = async () => {
     const page = keepPage();
     const $ = id => document.getElementById(id), data = JSON.parse($('data').textContent), canvas = $('picture');
     $('close-message').onclick = () => { say(''); canvas.focus(); };
+    const inAddress = () => new URLSearchParams(location.hash.slice(1));
+    const showCompact = () => document.body.classList.toggle('compact', data.compact || inAddress().has('compact'));
+    showCompact();
+    $('settings').onclick = () => $('settings').setAttribute('aria-expanded', document.body.classList.toggle('panel'));
     // Levels come coarsest first; level 0's geometry is that of the volume even if its voxels are left out.
     data.geometry0 = data.geometry;
     if (data.plan) data.levels.push(levelOfPlan(data.plan, data.geometry0));
-    const context = makeContext(canvas);
+    const context = await makeContext(canvas);
     if (!context) { say('This browser has no WebGL2, or it is switched off: the volume cannot be drawn here.'); return; }
-    canvas.addEventListener('webglcontextlost', () => say('The graphics card stopped this page (a picture took too long, or memory ran out). Reload it, and choose a coarser level or a larger step.'));
     const state = makeState(data), caster = makeCaster(context, data);
     const packed = () => data.levels.flatMap(l => [l.scalar, ...l.codes, ...(l.joint ? [l.joint] : []), ...(l.layout ? [l.layout] : [])]).reduce((sum, d) => sum + d.packed, 0);
     const pageBytes = packed() * 4 / 3 + 16e4; // base64; the page itself
@@ -40,13 +43,27 @@ const start = async () => {
     outline = makeOutline($('outline'), data, state, frames);
     const editor = makeEditor($('editor'), data, state, moving => { controls?.showPreset(); frames.ask(moving); });
 
+    const decode = makeDecoder(), read = (d, size) => readArray(decode, d, size);
     const readLevel = async level => {
-        if (level.isPlan) return readPlan(level);
-        const numbers = await readArray(level.scalar);
-        for (const code of level.codes) code.numbers = await readArray(code);
-        if (level.joint) level.adapter = makeAdapter(await readArray(level.joint), level.joint);
-        level.numbers = numbers;
+        if (level.isPlan) return readPlan(level, read);
+        const {numbers, ranges} = await read(level.scalar, level.size);
+        for (const code of level.codes) code.numbers = (await read(code)).numbers;
+        if (level.joint) level.adapter = makeAdapter((await read(level.joint)).numbers, level.joint);
+        await caster.prepare(level, numbers, state.code);
+        Object.assign(level, {numbers, ranges}); // shown from now on
     };
+    // A context is lost if a picture takes too long or memory runs out; all of it is made again if the browser allows.
+    canvas.addEventListener('webglcontextlost', e => {
+        e.preventDefault();
+        say('The graphics card stopped this page: a picture took too long, or memory ran out. If nothing follows, reload the page, and choose a coarser level or a larger step.');
+    });
+    canvas.addEventListener('webglcontextrestored', () => {
+        context.begin();
+        caster.forget(data.levels);
+        frames.forget();
+        say('');
+        frames.ask();
+    });
     await readLevel(data.levels[0]);
     slices = makeSlices(canvas.closest('.frame'), data, state, () => { outline(); slices.draw(); noteSoon(); });
     // Selects the finest level; until it is read, the finest one so far is drawn.
@@ -65,8 +82,9 @@ const start = async () => {
     if ($('state')) take(JSON.parse($('state').textContent));
     // "#level=1&adapted&code=none&step=0.5": options in links of reports and charts. "#state=...": the whole state.
     const follow = async () => {
-        const asked = new URLSearchParams(location.hash.slice(1)), level = Number(asked.get('level') ?? NaN);
-        if (!location.hash) return;
+        showCompact();
+        const asked = inAddress(), level = Number(asked.get('level') ?? NaN);
+        if ([...asked.keys()].every(key => key === 'compact')) return;
         if (asked.has('state')) {
             const kept = await textOfLink(asked.get('state')).then(JSON.parse).catch(() => null);
             if (JSON.stringify(kept) !== JSON.stringify(state)) take(kept);
@@ -95,6 +113,12 @@ const start = async () => {
         const level = await openFile(file, context.most), old = data.levels;
         await frames.settled();
         caster.forget(old);
+        data.toStep = async step => {
+            await frames.settled();
+            await changeStep(data, state, caster, step);
+            editor.count(level);
+            frames.ask();
+        };
         replaceVolume(data, state, level, file.name);
         $('title').textContent = document.title = file.name;
         controls = makeControls(data, state, frames, editor, page);

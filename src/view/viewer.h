@@ -40,6 +40,7 @@ typedef struct iso_viewer {
     const iso_viewer_plan *plan; /* replaces level 0, next to levels first to last; or NULL */
     bool floats;             /* True to keep floats without quantization */
     bool errors;             /* True to add the error of each coarse level against level 0; false: of the finest only */
+    bool compact;            /* True if the page starts with the picture alone, its panel one button away */
     bool adapted;            /* True if the page starts with adapted transfer functions */
     int threads;
 } iso_viewer;

@@ -4,9 +4,9 @@
 const bytesOf = id => fromBase64(document.getElementById(id).textContent);
 const floatsOf = id => new Float32Array(bytesOf(id).buffer);
 
-const makeRequest = () => {
+const makeRequest = async () => {
     const request = JSON.parse(document.getElementById('request').textContent), {volume, camera, tf} = request, values = floatsOf('volume');
-    const context = makeContext(document.createElement('canvas'));
+    const context = await makeContext(document.createElement('canvas'));
     if (!context || !context.floatTarget) throw new Error('this browser has no WebGL2 with targets of floats');
     let min = Infinity, max = -Infinity;
     for (const v of values) { if (v < min) min = v; if (v > max) max = v; }

@@ -62,7 +62,7 @@ def render(path):
     width, height = request["image"]["width"], request["image"]["height"]
     with Chromium(size=(200, 150), seconds=3600, within=os.getcwd()) as browser:  # the caller has its own time limit
         browser.open(page, "window.isoshade && document.readyState === 'complete'")
-        browser.evaluate("window.draw = isoshade.makeRequest(), 0")
+        browser.evaluate("isoshade.makeRequest().then(draw => { window.draw = draw; })")
         for i, frame in enumerate(request["frames"]):
             pixels = array.array("f", base64.b64decode(browser.evaluate(f"draw({i})")))
             write_exr(os.path.join(folder, frame["file"]), width, height, pixels)
