@@ -24,7 +24,9 @@ function agreements() {
     const pictured = data.agreement.map((row, at) => ({row, at})).filter(c => c.row.image_a && c.row.image_b);
     if (pictured.length > 0) {
         buildInspector(pictured, looked);
-        if (!followHash()) inspect(cases[0].at, null);
+        const rank = ({row}) => row.verdict === 'refused' ? -2 : severityOf(row);
+        const worst = pictured.reduce((a, b) => rank(b) > rank(a) ? b : a);
+        if (!followHash()) inspect(worst.at, null);
     }
     if (inlined.charts.agreement) $('chart').append(el('figure', {}, el('img', {src: inlined.charts.agreement, alt: 'RMSE of each comparison with its limit'}),
         figcaption('RMSE of each comparison on a log axis, the 40 worst at most. Data and script: charts/agreement.csv, charts/agreement.gp; charts/style.gp restyles all charts.')));

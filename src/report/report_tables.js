@@ -182,6 +182,14 @@ async function differencePanel(row) {
     holder.append(canvas, el('span', {}, el('strong', {}, 'difference'), ' log scale, 10⁻⁸ to 1'));
     return holder;
 }
+// The failed checks of one renderer, the farthest beyond its limit first.
+function failedCalibration(name, unfit) {
+    const all = data.calibration.filter(r => r.renderer === name), beyond = r => r.value === null ? Infinity : r.value / r.limit;
+    const failed = unfit.filter(r => r.renderer === name).sort((a, b) => beyond(b) - beyond(a));
+    const measured = r => r.value === null ? ['nothing could be measured. '] : [number(r.value), ` ${r.unit || ''}, at most `, number(r.limit), '. '];
+    return el('div', {class: 'failure'}, el('h3', {}, `${name} failed ${failed.length} of ${all.length} checks of its calibration`),
+        el('ul', {}, failed.map(r => el('li', {}, el('strong', {}, r.check), ': ', measured(r), r.detail || ''))));
+}
 function failures() {
     const bad = data.agreement.filter(row => row.verdict === 'differ'), shown = 8, reasons = new Map();
     for (const row of data.agreement.filter(r => r.verdict === 'refused')) reasons.set(row.why, [...reasons.get(row.why) || [], row]);
@@ -197,9 +205,7 @@ function failures() {
             inlined.differences[row.number] ? el('button', {type: 'button', onclick: () => inspect(data.agreement.indexOf(row), true)}, 'inspect') : null));
     }
     if (bad.length > shown) $('failed').append(el('p', {}, `${bad.length - shown} more cases differ; see the table below.`));
-    for (const r of unfit)
-        $('failed').append(el('div', {class: 'failure'}, el('h3', {}, `Calibration of ${r.renderer}: ${r.check}`),
-            el('p', {}, r.value === null ? 'Nothing could be measured. ' : [number(r.value), ` ${r.unit || ''}, at most `, number(r.limit), '. '], r.detail || '')));
+    for (const name of new Set(unfit.map(r => r.renderer))) $('failed').append(failedCalibration(name, unfit));
     for (const [why, rows] of reasons)
         $('failed').append(el('div', {class: 'failure'}, el('h3', {}, `${rows.length} case${rows.length === 1 ? '' : 's'} refused: ${[...new Set(rows.map(renderer))].join(', ')}`), el('p', {}, why),
             el('details', {}, el('summary', {}, 'which'), el('ul', {}, rows.map(row => el('li', {}, title(row)))))));

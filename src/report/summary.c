@@ -54,7 +54,25 @@ static void add_mistakes(iso_report_summary *s, json_t *mistakes)
         iso_words_append(s->sentence, sizeof s->sentence, "%s draws %s. ", renderer, json_string_value(text));
 }
 
-static void write_sentence(iso_report_summary *s, json_t *unanswered)
+/* Adds the reason of the first refused row; others are in the tables. */
+static void add_refused(iso_report_summary *s, const json_t *rows)
+{
+    size_t i;
+    json_t *row;
+    json_array_foreach(rows, i, row)
+    {
+        const char *name = json_string_value(json_object_get(row, "renderer")),
+                   *why = json_string_value(json_object_get(row, "why"));
+        if (iso_row_verdict(row) != ISO_VERDICT_REFUSED || !name || !why)
+            continue;
+        iso_words_append(s->sentence, sizeof s->sentence, "%s: %s", name, why);
+        return;
+    }
+    iso_words_append(s->sentence, sizeof s->sentence,
+                     "a renderer is missing, failed, or did not pass its calibration");
+}
+
+static void write_sentence(iso_report_summary *s, const json_t *rows, json_t *unanswered)
 {
     const size_t judged = s->agreed + s->differed + s->refused, asked = judged + s->not_compared;
     if (judged == 0)
@@ -67,11 +85,11 @@ static void write_sentence(iso_report_summary *s, json_t *unanswered)
         iso_words_append(s->sentence, sizeof s->sentence,
                          "The renderers agree: %zu of %zu requested comparisons %s within %s limits", judged, asked,
                          judged == 1 ? "is" : "are", judged == 1 ? "its" : "their");
-    else if (s->differed == 0 && s->refused > 0)
-        iso_words_append(
-            s->sentence, sizeof s->sentence,
-            "%zu comparison%s agree%s; %zu could not be made: a renderer is missing, failed, or did not pass its calibration",
-            s->agreed, iso_words_plural(s->agreed), s->agreed == 1 ? "s" : "", s->refused);
+    else if (s->differed == 0 && s->refused > 0) {
+        iso_words_append(s->sentence, sizeof s->sentence, "%zu comparison%s agree%s; %zu could not be made: ", s->agreed,
+                         iso_words_plural(s->agreed), s->agreed == 1 ? "s" : "", s->refused);
+        add_refused(s, rows);
+    }
     else if (s->differed == 0 && s->unanswered > 0) {
         iso_words_append(s->sentence, sizeof s->sentence, "%zu comparison%s agree%s, but ", s->agreed,
                          iso_words_plural(s->agreed), s->agreed == 1 ? "s" : "");
@@ -114,7 +132,7 @@ iso_report_summary iso_report_summarize(const iso_report *r)
     s.good = s.differed == 0 && s.refused == 0 && s.calibrations_failed == 0 && s.unanswered == 0;
     s.holds = s.good && iso_sections_hold(iso_report_json(r));
     add_mistakes(&s, json_object_get(iso_report_json(r), "mistakes"));
-    write_sentence(&s, unanswered);
+    write_sentence(&s, rows, unanswered);
     json_decref(unanswered);
     return s;
 }
