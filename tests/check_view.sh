@@ -58,7 +58,7 @@ refuse a_plan_stands_for_level_0 2 "--plan and --level 0" "$ISOSHADE" view plann
 "$ISOSHADE" render eight-lights.nrrd --scene "$suite/eight-lights.scene.json" --size 61x61 --zoom 1.016 --with gl -q -o half.exr >/dev/null
 notice half_a_pixel_is_noticed "$ISOSHADE" compare half.exr pages/lights.page.exr --max-rmse 5e-6 --max-abs 1e-4
 
-check the_page_is_below_400_kB test "$("$ISOSHADE" view eight-lights.nrrd --json -o small.html | awk -F'[:,]' '/"page_bytes"/ {p = $2} /"data_bytes"/ {d = $2} END {print p - d}')" -lt 400000
+check the_page_is_below_200_kB test "$("$ISOSHADE" view eight-lights.nrrd --json -o small.html | awk -F'[:,]' '/"page_bytes"/ {p = $2} /"data_bytes"/ {d = $2} END {print p - d}')" -lt 200000
 
 # ---- hands ----
 "$ISOSHADE" make shells --size 34x33x32 -q -o v.nrrd
