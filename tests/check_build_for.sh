@@ -30,9 +30,12 @@ expect levels_are_optimized 0 "$ISOSHADE" build v.nrrd --for "$scene" --effort f
 check data_say_how python3 -c 'import json
 level = json.load(open("out"))["made_for"]["levels"][0]
 o = level["optimized"]
-assert level["scalar"] == "optimized" and o["seed"] == 2 and o["views"] == 32 and o["steps"] == 200, level
+assert level["scalar"] == "optimized" and o["seed"] == 2 and o["views"] == 64 and o["steps"] == 200, level
 assert o["error"] < o["error_first"], o
-assert o["after"]["ssim_dissimilarity"] < o["before"]["ssim_dissimilarity"], o'
+ways = {(c["scalar"], c["scaled"]): c["ssim_dissimilarity"] for c in level["candidates"]}
+assert set(ways) == {("as-built", 0), ("as-built", 1), ("least-squares", 0), ("damped", 0), ("damped", 1), ("optimized", 1)}
+assert all(ways["optimized", 1] < 0.981 * way for name, way in ways.items() if name[0] != "optimized"), ways
+assert len(level["tf"]["entries"]) % 4 == 0 and level["tf"]["range"][0] < level["tf"]["range"][1]'
 expect they_are_verified 0 "$ISOSHADE" info o.iso --verify
 check by_their_checksum grep -q 'level 1: .* it is not remade' out
 cp -r o.iso bad2.iso
@@ -45,11 +48,21 @@ done
 "$ISOSHADE" render o.iso --scene "$scene" --size 64 --with cpu --level 1 --adapt --extinction-scale -q -o adapted.exr >/dev/null
 "$ISOSHADE" render o.iso --scene "$scene" --size 64 --with cpu -q -o finest.exr >/dev/null
 check adapting_leaves_them_as_they_are "$ISOSHADE" compare o.exr adapted.exr --max-abs 1e-9 -q
+for renderer in gl reference; do
+    "$ISOSHADE" render o.iso --scene "$scene" --size 64 --with $renderer --step 0.5 --level 1 -q -o $renderer.exr >/dev/null
+    check renderers_agree_on_them "$ISOSHADE" compare o.exr $renderer.exr --max-rmse 0.01 -q # their samples differ
+done
+"$ISOSHADE" tf suggest v.nrrd -o other.tf.json -q >/dev/null
+expect another_transfer_function_is_drawn 0 "$ISOSHADE" render o.iso --scene "$scene" --tf other.tf.json --size 64 --with cpu --level 1 -o other.exr
+check with_a_warning grep -q "warning: level 1 was made for the transfer function of ${scene##*/}" err
 dissimilarity() { "$ISOSHADE" compare finest.exr "$1" --json | python3 -c 'import json, sys; print(1 - json.load(sys.stdin)["ssim"])'; }
 check they_are_nearer_than_plain_levels awk "BEGIN {exit !($(dissimilarity o.exr) < 0.8 * $(dissimilarity two.exr))}"
 expect they_validate 0 "$ISOSHADE" validate o.iso --scene "$scene" --quick --with gl --size 24 -q -o optimized
 expect they_are_charted 0 "$ISOSHADE" chart o.iso --scene "$scene" --with gl --steps 1 --quadratures midpoint --plans none --size 24 --budget 0 -q -o chart
 expect they_are_exported 0 "$ISOSHADE" export o.iso --to povray --scene "$scene" --level 1 -o pov2 -q
+check with_their_scale ls pov2/*_scale.df3
+refuse a_target_without_scales_refuses_them 2 'paraview does not support extinction scales' \
+    "$ISOSHADE" export o.iso --to paraview --scene "$scene" --level 1 -o paraview
 expect they_are_viewed 0 "$ISOSHADE" view o.iso --scene "$scene" -q -o o.html
 refuse effort_needs_a_scene 2 "--effort needs --for" "$ISOSHADE" build v.nrrd --effort fast -o x.iso
 

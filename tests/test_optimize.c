@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Levels found by rendering: nearer to level 0, the same for any number of threads, judged before they are taken,
- * stored and shown as they are. */
+ * stored, and shown under their own transfer function and extinction scale. */
 #include "pyramids.h"
 
 #include <math.h>
@@ -10,7 +10,9 @@
 #include "fit/extinction_scale.h"
 #include "folder.h"
 #include "plan/scene_levels.h"
+#include "scene/level_view.h"
 #include "tf/adapt.h"
+#include "tf/level_look.h"
 
 /* A surface in the middle of the range, under a headlight. */
 static iso_tf_point points[] = {{0, {0.9, 0.7, 0.4}, 0},
@@ -57,7 +59,14 @@ static iso_pyramid bumpy_ball(iso_code code)
 
 static iso_optimize_options fast(int threads)
 {
-    return (iso_optimize_options){.effort = ISO_EFFORT_FAST, .seed = 5, .threads = threads};
+    return (iso_optimize_options){.effort = ISO_EFFORT_FAST, .seed = 5, .rate = 1, .threads = threads};
+}
+
+/* Level 1 as it was built, under the scene's transfer function. */
+static iso_shown_level as_built(const iso_pyramid *p, const iso_scene *scene, iso_tf_table *tf)
+{
+    assert_ok(iso_tf_tabulate(&scene->tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, tf, &err));
+    return (iso_shown_level){&p->levels[1], tf, NULL};
 }
 
 TEST(a_level_is_nearer_and_threads_change_no_bit)
@@ -65,19 +74,30 @@ TEST(a_level_is_nearer_and_threads_change_no_bit)
     OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT);
     const iso_scene scene = surface_scene();
     const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
+    OWNED(iso_tf_table) tf;
+    const iso_shown_level start = as_built(&p, &scene, &tf);
     iso_optimized o[2];
     for (int i = 0; i < 2; ++i) {
         const iso_optimize_options opt = fast(1 + 2 * i);
-        assert_ok(iso_optimize_level(&p, 1, &scene, &opt, &o[i], NULL, &err));
+        assert_ok(iso_optimize_level(&p, 1, &scene, &start, &opt, &o[i], NULL, &err));
     }
     assert_memory_equal(o[0].scalar, o[1].scalar, count * sizeof(float));
     assert_memory_equal(o[0].codes, o[1].codes, 3 * count);
+    assert_memory_equal(o[0].scale, o[1].scale, count);
+    assert_true(iso_tf_table_equals(&o[0].tf, &o[1].tf));
+    assert_false(iso_tf_table_equals(&o[0].tf, &tf));
+    size_t scaled = 0;
     assert_at_most(o[0].error, 0.8 * o[0].error_first);
     for (size_t i = 0; i < count; ++i) {
         const float *d = o[0].directions + 3 * i;
         assert_at_most((double)(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), 1 + 1e-6); /* floats */
         assert_true(o[0].scalar[i] >= -0.5f && o[0].scalar[i] <= 1.5f);
+        assert_true(o[0].scale[i] <= ISO_EXTINCTION_SCALE_LAST);
+        scaled += o[0].scale[i] != ISO_EXTINCTION_SCALE_ONE;
     }
+    assert_true(scaled > count / 10);
+    for (size_t i = 0; i < 4 * tf.count; ++i)
+        assert_true(o[0].tf.entries[i] >= 0 && (i % 4 == 3 || o[0].tf.entries[i] <= 1));
     iso_optimized_destroy(&o[0]);
     iso_optimized_destroy(&o[1]);
 }
@@ -89,9 +109,17 @@ TEST(a_stopped_run_returns_the_level_so_far)
     const volatile sig_atomic_t stop = 1;
     iso_optimize_options opt = fast(2);
     OWNED(iso_optimized) o;
+    OWNED(iso_tf_table) tf;
+    iso_shown_level start = as_built(&p, &scene, &tf);
+    uint8_t scale[14 * 14 * 14];
+    for (size_t i = 0; i < sizeof scale; ++i)
+        scale[i] = (uint8_t)(i * 7 % (ISO_EXTINCTION_SCALE_LAST + 1));
+    start.scale = scale;
     opt.stop = &stop;
-    assert_ok(iso_optimize_level(&p, 1, &scene, &opt, &o, NULL, &err));
+    assert_ok(iso_optimize_level(&p, 1, &scene, &start, &opt, &o, NULL, &err));
     assert_int_equal(o.steps, 0);
+    assert_memory_equal(o.scale, scale, sizeof scale);
+    assert_true(iso_tf_table_equals(&o.tf, &tf));
     assert_memory_equal(o.scalar, p.levels[1].scalar, iso_geometry_voxel_count(&p.levels[1].geometry) * sizeof(float));
 }
 
@@ -102,18 +130,24 @@ TEST(scenes_that_cannot_be_learned_are_refused)
     iso_scene scene = surface_scene();
     const iso_optimize_options opt = fast(2);
     iso_optimized o;
-    assert_status(iso_optimize_level(&other, 1, &scene, &opt, &o, NULL, &err), ISO_E_RANGE);
+    OWNED(iso_tf_table) tf;
+    iso_shown_level start = as_built(&other, &scene, &tf);
+    assert_status(iso_optimize_level(&other, 1, &scene, &start, &opt, &o, NULL, &err), ISO_E_RANGE);
+    start.level = &p.levels[1];
+    p.levels[0].geometry.has_no_data = true;
+    assert_status(iso_optimize_level(&p, 1, &scene, &start, &opt, &o, NULL, &err), ISO_E_RANGE);
+    p.levels[0].geometry.has_no_data = false;
     scene.tf.points = hidden;
     scene.tf.point_count = 2;
-    assert_status(iso_optimize_level(&p, 1, &scene, &opt, &o, NULL, &err), ISO_E_RANGE);
+    assert_status(iso_optimize_level(&p, 1, &scene, &start, &opt, &o, NULL, &err), ISO_E_RANGE);
 }
 
 /* ---- the gate ---------------------------------------------------------------------------------------------------- */
 
 TEST(each_figure_of_the_gate_can_refuse)
 {
-    const iso_level_seen before = {0.1, 0.05, 0.04, 0.02};
-    const iso_level_seen nearer = {0.09, 0.05, 0.03, 0.02};
+    const iso_level_seen before = {{0}, 0.1, 0.05, 0.04, 0.02};
+    const iso_level_seen nearer = {{0}, 0.09, 0.05, 0.03, 0.02};
     assert_true(iso_level_gate_is_nearer(&before, &nearer));
     for (int i = 0; i < 4; ++i) {
         iso_level_seen worse = nearer;
@@ -134,46 +168,135 @@ TEST(a_spoilt_level_is_not_accepted)
     const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
     iso_level spoilt = p.levels[1];
     iso_level_gate gate;
+    iso_level_seen seen[3];
+    OWNED(iso_tf_table) tf, halved;
+    iso_shown_level shown = as_built(&p, &scene, &tf);
+    assert_ok(iso_tf_table_copy(&tf, &halved, &err));
+    for (size_t i = 0; i < tf.count; ++i)
+        halved.entries[4 * i + 3] *= 0.1f;
     spoilt.codes = malloc(3 * count);
     for (size_t i = 0; i < 3 * count; ++i)
         spoilt.codes[i] = (uint8_t)(p.levels[1].codes[i] / 2 + 40 * (i % 3));
-    const iso_level_with_tf today = {&p.levels[1], NULL};
-    assert_ok(iso_level_gate_judge(&p, 1, &scene, &today, &spoilt, 2, &gate, &err));
-    assert_false(gate.accepts);
-    assert_more_than(gate.optimized.ssim_dissimilarity, gate.today.ssim_dissimilarity);
+    assert_ok(iso_level_gate_open(&gate, &p, &scene, 2, &err));
+    assert_ok(iso_level_gate_look(&gate, 1, &shown, &seen[0], &err));
+    shown.level = &spoilt;
+    assert_ok(iso_level_gate_look(&gate, 1, &shown, &seen[1], &err));
+    shown = (iso_shown_level){&p.levels[1], &halved, NULL};
+    assert_ok(iso_level_gate_look(&gate, 1, &shown, &seen[2], &err));
+    for (int i = 1; i < 3; ++i) { /* directions; transfer function */
+        assert_false(iso_level_gate_is_nearer(&seen[0], &seen[i]));
+        assert_more_than(seen[i].ssim_dissimilarity, seen[0].ssim_dissimilarity);
+    }
+    iso_level_gate_close(&gate);
     free(spoilt.codes);
 }
 
 /* ---- in a pyramid ------------------------------------------------------------------------------------------------ */
 
-TEST(it_is_stored_and_shown_as_it_is)
+static iso_pyramid optimized_and_loaded(const iso_scene *scene, iso_pyramid *made, iso_scene_level levels[32])
 {
-    OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT), loaded;
-    const iso_scene scene = surface_scene();
     const iso_optimize_options opt = fast(2);
-    const iso_adapt_options adapt = iso_adapt_defaults();
+    iso_pyramid loaded;
+    char *dir = iso_path_join(folder, "optimized.iso");
+    *made = bumpy_ball(ISO_CODE_FIT);
+    assert_ok(iso_scene_levels_make(made, 1, scene, &opt, 2, levels, NULL, &err));
+    assert_ok(iso_pyramid_save(made, dir, &err));
+    assert_ok(iso_pyramid_load(dir, &loaded, &err));
+    free(dir);
+    return loaded;
+}
+
+TEST(it_is_stored_bit_by_bit)
+{
+    const iso_scene scene = surface_scene();
     iso_scene_level levels[32];
     iso_level_check checks[32];
-    OWNED(iso_tf_table) tf, own;
-    uint8_t *bytes;
-    char *dir = iso_path_join(folder, "optimized.iso"), text[200];
-    assert_ok(iso_scene_levels_make(&p, 1, &scene, &opt, 2, levels, NULL, &err));
-    assert_int_equal(levels[1].chosen, ISO_LEVEL_OPTIMIZED);
-    assert_at_most(levels[1].optimized.gate.optimized.ssim_dissimilarity,
-                   0.7 * levels[1].optimized.gate.today.ssim_dissimilarity);
-    assert_ok(iso_pyramid_save(&p, dir, &err));
-    assert_ok(iso_pyramid_load(dir, &loaded, &err));
+    OWNED(iso_pyramid) p, loaded = optimized_and_loaded(&scene, &p, levels);
+    const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
+    char text[200];
+    assert_int_equal(levels[1].chosen, ISO_LEVEL_WAY_OPTIMIZED);
+    assert_at_most(levels[1].candidates[ISO_LEVEL_WAY_OPTIMIZED].seen.ssim_dissimilarity,
+                   0.7 * levels[1].candidates[ISO_LEVEL_WAY_BUILT].seen.ssim_dissimilarity);
     assert_true(loaded.levels[1].is_optimized && loaded.levels[1].made_for_scene);
-    assert_memory_equal(loaded.levels[1].codes, p.levels[1].codes, 3 * iso_geometry_voxel_count(&p.levels[1].geometry));
+    assert_memory_equal(loaded.levels[1].codes, p.levels[1].codes, 3 * count);
+    assert_memory_equal(loaded.levels[1].scale, p.levels[1].scale, count);
     assert_ok(iso_fit_verify(&loaded, 2, checks, NULL, &err));
     assert_null(checks[1].what);
     assert_non_null(strstr(iso_level_check_text(&checks[1], 1, text, sizeof text), "not remade"));
-    assert_ok(iso_tf_tabulate(&scene.tf, 0, 1, &p.levels[0].geometry, &tf, &err));
-    assert_ok(iso_adapt_level(&loaded, 1, &tf, &adapt, &own, NULL, &err));
-    assert_memory_equal(own.entries, tf.entries, 4 * tf.count * sizeof(float));
+}
+
+TEST(it_is_shown_under_its_own_transfer_function)
+{
+    const iso_scene scene = surface_scene();
+    const iso_adapt_options adapt = iso_adapt_defaults();
+    iso_scene_level levels[32];
+    iso_adapt_judgment judgment;
+    iso_level_gate gate;
+    iso_level_seen seen;
+    OWNED(iso_pyramid) p, loaded = optimized_and_loaded(&scene, &p, levels);
+    const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
+    OWNED(iso_tf_table) tf, own;
+    uint8_t *bytes;
+    as_built(&p, &scene, &tf);
+    OWNED(iso_view) view = {.step_voxels = 0.5};
+    bool found;
+    assert_ok(iso_tf_table_copy(&tf, &view.tf, &err));
+    assert_ok(iso_view_take_level(&view, &loaded, 1, &found, &err));
+    assert_true(found && !iso_tf_table_equals(&view.tf, &tf));
+    assert_memory_equal(view.extinction_scale, p.levels[1].scale, count);
+    assert_ok(iso_adapt_level(&loaded, 1, &tf, &adapt, &own, &judgment, &err));
+    assert_true(iso_tf_table_equals(&own, &view.tf) && !judgment.use_original);
     assert_ok(iso_extinction_scale_level(&loaded, 1, &tf, &own, 2, &bytes, &err));
-    assert_null(bytes);
-    free(dir);
+    assert_memory_equal(bytes, p.levels[1].scale, count);
+    free(bytes);
+    /* What is shown is what the gate judged. */
+    assert_ok(iso_level_gate_open(&gate, &loaded, &scene, 2, &err));
+    assert_ok(iso_level_gate_look(&gate, 1, &(iso_shown_level){&loaded.levels[1], &view.tf, view.extinction_scale},
+                                  &seen, &err));
+    assert_memory_equal(&seen, &levels[1].candidates[ISO_LEVEL_WAY_OPTIMIZED].seen, sizeof seen);
+    iso_level_gate_close(&gate);
+}
+
+/* Under another transfer function it keeps its scale, since directions and scalars were made with it. */
+TEST(another_transfer_function_is_left_as_it_is)
+{
+    const iso_scene scene = surface_scene();
+    const iso_adapt_options adapt = iso_adapt_defaults();
+    iso_scene_level levels[32];
+    OWNED(iso_pyramid) p, loaded = optimized_and_loaded(&scene, &p, levels);
+    const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
+    OWNED(iso_tf_table) tf, own;
+    uint8_t *bytes;
+    bool found = true;
+    as_built(&p, &scene, &tf);
+    tf.entries[4 * 200 + 3] *= 1.001f;
+    assert_ok(iso_level_look(&loaded, 1, &tf, &own, &found, &err));
+    assert_true(!found && !own.entries);
+    assert_ok(iso_adapt_level(&loaded, 1, &tf, &adapt, &own, NULL, &err));
+    assert_true(iso_tf_table_equals(&own, &tf));
+    assert_ok(iso_extinction_scale_level(&loaded, 1, &tf, &own, 2, &bytes, &err));
+    assert_memory_equal(bytes, p.levels[1].scale, count);
+    free(bytes);
+}
+
+TEST(a_damaged_table_is_refused)
+{
+    const iso_scene scene = surface_scene();
+    iso_scene_level levels[32];
+    OWNED(iso_pyramid) p, loaded = optimized_and_loaded(&scene, &p, levels);
+    json_t *table = json_object_get(json_array_get(json_object_get(loaded.made_for, "levels"), 0), "tf"),
+           *entries = json_object_get(table, "entries");
+    OWNED(iso_tf_table) tf, own;
+    as_built(&p, &scene, &tf);
+    json_array_set_new(entries, 5, json_real(1.5)); /* a color */
+    assert_status(iso_level_look(&loaded, 1, &tf, &own, NULL, &err), ISO_E_FORMAT);
+    json_array_set_new(entries, 5, json_string("red"));
+    assert_status(iso_level_look(&loaded, 1, &tf, &own, NULL, &err), ISO_E_FORMAT);
+    json_array_remove(entries, 5);
+    assert_status(iso_level_look(&loaded, 1, &tf, &own, NULL, &err), ISO_E_FORMAT);
+    json_object_set_new(table, "range", json_pack("[i, i]", 1, 1));
+    assert_status(iso_level_look(&loaded, 1, &tf, &own, NULL, &err), ISO_E_FORMAT);
+    assert_null(own.entries);
 }
 
 TEST_MAIN(make_folder, remove_folder)

@@ -6,9 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/extinction_scale.h"
 #include "folder.h"
 #include "plan/scene_levels.h"
 #include "tf/adapt.h"
+#include "tf/level_look.h"
 
 /* A surface at a third of the range, lit by a headlight. */
 static iso_tf_point points[] = {{0, {0.9, 0.7, 0.4}, 0},
@@ -19,6 +21,7 @@ static iso_tf_point points[] = {{0, {0.9, 0.7, 0.4}, 0},
 static iso_scene surface_scene(void)
 {
     return (iso_scene){.path = (char *)"surface.scene.json",
+                       .orthographic = true,
                        .light_count = 1,
                        .lights = {{.direction = {0, 0, 1}, .in_camera_space = true, .intensity = 1}},
                        .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
@@ -57,45 +60,75 @@ static iso_pyramid ball_pyramid(size_t n)
 
 /* ---- choosing ---------------------------------------------------------------------------------------------------- */
 
+/* Places of ways. */
+enum { BUILT, BUILT_SCALED, LEAST_SQUARES, DAMPED, DAMPED_SCALED, FITTED, FITTED_SCALED, OPTIMIZED };
+
 static void set(iso_level_candidate *c, double ssim_dissimilarity, double rmse)
 {
-    *c = (iso_level_candidate){.tried = true, .ssim_dissimilarity = ssim_dissimilarity, .rmse = rmse};
-    for (int i = 0; i < ISO_SMALL_VIEWS_COUNT; ++i)
-        c->of_view[i] = ssim_dissimilarity;
+    *c = (iso_level_candidate){.tried = true,
+                               .seen = {{0}, ssim_dissimilarity, rmse, 0.5 * ssim_dissimilarity, 0.5 * rmse}};
+    for (int i = 0; i < ISO_LEVEL_GATE_VIEWS; ++i)
+        c->seen.of_view[i] = ssim_dissimilarity;
+}
+
+TEST(ways_are_those_of_the_table)
+{
+    assert_int_equal(iso_level_ways[BUILT].scalar, ISO_LEVEL_AS_BUILT);
+    assert_true(iso_level_ways[DAMPED_SCALED].scalar == ISO_LEVEL_DAMPED && iso_level_ways[DAMPED_SCALED].scaled);
+    assert_true(iso_level_ways[FITTED].scalar == ISO_LEVEL_FITTED && !iso_level_ways[FITTED].scaled);
+    assert_int_equal(OPTIMIZED, ISO_LEVEL_WAY_OPTIMIZED);
 }
 
 TEST(the_nearest_is_chosen)
 {
-    iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT] = {{0}};
-    set(&c[ISO_LEVEL_AS_BUILT], 0.10, 0.05);
-    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.08, 0.05);
-    set(&c[ISO_LEVEL_FITTED], 0.06, 0.05);
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_FITTED);
-    set(&c[ISO_LEVEL_FITTED], 0.09, 0.05);
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_LEAST_SQUARES);
-    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.11, 0.05);
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_FITTED);
-    set(&c[ISO_LEVEL_FITTED], 0.11, 0.05);
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT);
+    iso_level_candidate c[ISO_LEVEL_WAY_COUNT] = {{0}};
+    set(&c[BUILT], 0.10, 0.05);
+    set(&c[DAMPED_SCALED], 0.08, 0.05);
+    set(&c[FITTED], 0.06, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), FITTED);
+    set(&c[FITTED], 0.0799, 0.05); /* among those that are better, any gain counts */
+    assert_int_equal(iso_scene_level_choose(c), FITTED);
+    set(&c[FITTED], 0.09, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), DAMPED_SCALED);
+    set(&c[DAMPED_SCALED], 0.11, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), FITTED);
+    set(&c[FITTED], 0.11, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), BUILT);
 }
 
 TEST(what_is_no_clear_gain_is_not_chosen)
 {
-    iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT] = {{0}};
-    set(&c[ISO_LEVEL_AS_BUILT], 0.10, 0.05);
-    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.10 * (1 - 0.5 * ISO_SCENE_LEVELS_GAIN), 0.05);
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT); /* too little */
-    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.08, 0.05 * (1.01 + ISO_SCENE_RMSE_LOSS));
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT); /* its colors are farther */
-    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.08, 0.05);
-    c[ISO_LEVEL_LEAST_SQUARES].of_view[7] = 0.10 + 1.1 * ISO_ADAPT_WORST_VIEW;
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT); /* a view is farther */
-    set(&c[ISO_LEVEL_LEAST_SQUARES], 0.08, 0.05);
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_LEAST_SQUARES);
-    c[ISO_LEVEL_LEAST_SQUARES].tried = false;
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT);
-    set(&c[ISO_LEVEL_LEAST_SQUARES], NAN, 0.05);
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT);
+    iso_level_candidate c[ISO_LEVEL_WAY_COUNT] = {{0}};
+    set(&c[BUILT], 0.10, 0.05);
+    set(&c[LEAST_SQUARES], 0.10 * (1 - 0.5 * ISO_LEVEL_GATE_GAIN), 0.05);
+    assert_int_equal(iso_scene_level_choose(c), BUILT); /* too little */
+    set(&c[LEAST_SQUARES], 0.08, 0.05 * (1.01 + ISO_LEVEL_GATE_RMSE_LOSS));
+    assert_int_equal(iso_scene_level_choose(c), BUILT); /* its colors are farther */
+    set(&c[LEAST_SQUARES], 0.08, 0.05);
+    c[LEAST_SQUARES].seen.of_view[7] = 0.10 + 1.1 * ISO_ADAPT_WORST_VIEW;
+    assert_int_equal(iso_scene_level_choose(c), BUILT); /* a view is farther */
+    set(&c[LEAST_SQUARES], 0.08, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), LEAST_SQUARES);
+    c[LEAST_SQUARES].tried = false;
+    assert_int_equal(iso_scene_level_choose(c), BUILT);
+    set(&c[LEAST_SQUARES], NAN, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), BUILT);
+}
+
+/* An optimized level has to pass the best of the others, not the level as built. */
+TEST(an_optimized_level_has_to_be_nearer_than_the_best)
+{
+    iso_level_candidate c[ISO_LEVEL_WAY_COUNT] = {{0}};
+    set(&c[BUILT], 0.10, 0.05);
+    set(&c[DAMPED_SCALED], 0.08, 0.05);
+    set(&c[OPTIMIZED], 0.09, 0.04);
+    assert_int_equal(iso_scene_level_choose(c), DAMPED_SCALED);
+    set(&c[OPTIMIZED], 0.07, 0.051);
+    assert_int_equal(iso_scene_level_choose(c), DAMPED_SCALED);
+    set(&c[OPTIMIZED], 0.07, 0.05);
+    assert_int_equal(iso_scene_level_choose(c), OPTIMIZED);
+    c[OPTIMIZED].seen.small_ssim_dissimilarity = 0.04;
+    assert_int_equal(iso_scene_level_choose(c), DAMPED_SCALED);
 }
 
 /* Scalars that look wrong lose, whatever they are called; those that look right win. */
@@ -104,9 +137,9 @@ VALUES_TEST(small_views_see_a_planted_scalar)
     OWNED(iso_pyramid) p = ball_pyramid(40);
     const iso_scene scene = surface_scene();
     const size_t count = iso_geometry_voxel_count(&p.levels[2].geometry);
-    FREED float *good = malloc(count * sizeof *good), *bad = malloc(count * sizeof *bad);
+    float *good = malloc(count * sizeof *good), *bad = malloc(count * sizeof *bad);
     OWNED(iso_view) view;
-    iso_level_candidate c[ISO_LEVEL_SCALAR_COUNT] = {{0}};
+    iso_level_candidate c[ISO_LEVEL_WAY_COUNT] = {{0}};
     assert_ok(iso_scene_resolve(&(iso_scene){.path = scene.path,
                                              .width = 8,
                                              .height = 8,
@@ -122,17 +155,21 @@ VALUES_TEST(small_views_see_a_planted_scalar)
     assert_ok(iso_level_scalars_make(&(iso_level_scalar_input){&p.levels[0], &view.tf, 2, 2}, bad, good, NULL, &err));
     for (size_t i = 0; i < count; ++i)
         bad[i] = p.levels[2].scalar[i] + 0.3f * ((float)noise_at(i) - 0.5f);
-    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[ISO_LEVEL_SCALAR_COUNT]){p.levels[2].scalar, bad, good}, 2,
-                                    c, &err));
-    assert_true(c[ISO_LEVEL_LEAST_SQUARES].ssim_dissimilarity > c[ISO_LEVEL_AS_BUILT].ssim_dissimilarity);
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_FITTED);
-    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[ISO_LEVEL_SCALAR_COUNT]){p.levels[2].scalar, NULL, bad}, 2,
-                                    c, &err));
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_AS_BUILT);
-    assert_false(c[ISO_LEVEL_LEAST_SQUARES].tried);
-    assert_ok(iso_scene_level_judge(&p, 2, &scene, (float *[ISO_LEVEL_SCALAR_COUNT]){bad, p.levels[2].scalar, NULL}, 2,
-                                    c, &err));
-    assert_int_equal(iso_scene_level_choose(c), ISO_LEVEL_LEAST_SQUARES);
+    assert_ok(iso_scene_level_judge(&p, 2, &scene,
+                                    (float *[ISO_LEVEL_SCALAR_COUNT]){p.levels[2].scalar, bad, NULL, good}, 2, c,
+                                    &err));
+    assert_true(c[LEAST_SQUARES].seen.ssim_dissimilarity > c[BUILT].seen.ssim_dissimilarity);
+    assert_int_equal(iso_level_ways[iso_scene_level_choose(c)].scalar, ISO_LEVEL_FITTED);
+    assert_ok(iso_scene_level_judge(&p, 2, &scene,
+                                    (float *[ISO_LEVEL_SCALAR_COUNT]){p.levels[2].scalar, NULL, NULL, bad}, 2, c,
+                                    &err));
+    assert_int_equal(iso_level_ways[iso_scene_level_choose(c)].scalar, ISO_LEVEL_AS_BUILT);
+    assert_true(c[FITTED].tried && !c[LEAST_SQUARES].tried);
+    assert_ok(
+        iso_scene_level_judge(&p, 2, &scene, (float *[ISO_LEVEL_SCALAR_COUNT]){bad, p.levels[2].scalar}, 2, c, &err));
+    assert_int_equal(iso_scene_level_choose(c), LEAST_SQUARES);
+    free(good);
+    free(bad);
 }
 
 /* The same numbers as --scalar-filter least-squares, made another way: rounding, and what its apron leaves out. */
@@ -145,11 +182,32 @@ TEST(least_squares_are_those_of_the_filter)
     OWNED(iso_pyramid) p = build(&v, &opt);
     for (size_t level = 1; level < p.level_count; ++level) {
         const size_t count = iso_geometry_voxel_count(&p.levels[level].geometry);
-        FREED float *made = malloc(count * sizeof *made);
+        float *made = malloc(count * sizeof *made);
         assert_ok(
             iso_level_scalars_make(&(iso_level_scalar_input){&p.levels[0], NULL, level, 3}, made, NULL, NULL, &err));
         for (size_t i = 0; i < count; ++i)
             assert_within((double)made[i], (double)p.levels[level].scalar[i], 1e-5);
+        free(made);
+    }
+}
+
+/* The same for damped ones, whose means and ranges are summed in another order. */
+TEST(damped_scalars_are_those_of_the_filter)
+{
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    OWNED(iso_volume) v = noise(37, 21, 30);
+    opt.scalar_filter = ISO_SCALAR_DAMPED;
+    opt.threads = 2;
+    OWNED(iso_pyramid) p = build(&v, &opt);
+    for (size_t level = 1; level < p.level_count; ++level) {
+        const size_t count = iso_geometry_voxel_count(&p.levels[level].geometry);
+        const iso_level_scalar_input in = {&p.levels[0], NULL, level, 3};
+        float *made = malloc(count * sizeof *made);
+        assert_ok(iso_level_scalars_make(&in, made, NULL, NULL, &err));
+        iso_level_scalar_damp(&in, made);
+        for (size_t i = 0; i < count; ++i)
+            assert_within((double)made[i], (double)p.levels[level].scalar[i], 1e-5);
+        free(made);
     }
 }
 
@@ -159,11 +217,12 @@ static iso_pyramid stored_ball(iso_scene_level levels[32])
 {
     iso_pyramid p = ball_pyramid(40), loaded;
     const iso_scene scene = surface_scene();
-    FREED char *dir = iso_path_join(folder, "ball.iso");
+    char *dir = iso_path_join(folder, "ball.iso");
     assert_ok(iso_scene_levels_make(&p, 1, &scene, NULL, 2, levels, NULL, &err));
     assert_ok(iso_pyramid_save(&p, dir, &err));
     iso_pyramid_destroy(&p);
     assert_ok(iso_pyramid_load(dir, &loaded, &err));
+    free(dir);
     return loaded;
 }
 
@@ -173,13 +232,13 @@ TEST(a_sharp_surface_gets_levels_of_its_own)
     OWNED(iso_pyramid) p = stored_ball(levels);
     OWNED(iso_tf_table) tf;
     iso_level_scalar kinds[32];
-    assert_int_equal(levels[2].chosen, ISO_LEVEL_FITTED);
-    assert_at_most(levels[2].candidates[ISO_LEVEL_FITTED].ssim_dissimilarity,
-                   0.9 * levels[2].candidates[ISO_LEVEL_AS_BUILT].ssim_dissimilarity);
+    assert_int_equal(iso_level_ways[levels[2].chosen].scalar, ISO_LEVEL_FITTED);
+    assert_at_most(levels[2].candidates[levels[2].chosen].seen.ssim_dissimilarity,
+                   0.95 * levels[2].candidates[BUILT].seen.ssim_dissimilarity); /* .93 */
     assert_at_most(levels[2].fit.error_end, levels[2].fit.error_start);
     assert_ok(iso_level_scalars_read(&p, &tf, kinds, &err));
     for (size_t k = 1; k < p.level_count; ++k)
-        assert_int_equal(kinds[k], levels[k].chosen);
+        assert_int_equal(kinds[k], iso_level_ways[levels[k].chosen].scalar);
     assert_true(p.levels[2].made_for_scene);
     for (size_t i = 0; i < iso_geometry_voxel_count(&p.levels[2].geometry); ++i)
         assert_true((double)p.levels[2].scalar[i] >= p.levels[2].min &&
@@ -204,6 +263,32 @@ TEST(it_is_made_again_from_level_0)
     p.levels[2].max *= 1.5;
     assert_ok(iso_fit_verify(&p, 1, checks, NULL, &err));
     assert_string_equal(checks[2].what, "range");
+}
+
+/* A scaled level is made again with its scale, under its own transfer function. */
+TEST(its_extinction_scale_is_made_again)
+{
+    iso_scene_level levels[32];
+    iso_level_check checks[32];
+    OWNED(iso_pyramid) p = stored_ball(levels);
+    iso_level *l = &p.levels[1];
+    OWNED(iso_tf_table) tf, own;
+    uint8_t *scale;
+    assert_ok(iso_level_scene_tf(&p, &tf, &err));
+    assert_ok(iso_level_look(&p, 1, &tf, &own, NULL, &err));
+    free(l->scale);
+    l->scale = NULL;
+    json_t *made_for = p.made_for;
+    p.made_for = NULL;
+    assert_ok(iso_extinction_scale_level(&p, 1, &tf, &own, 2, &scale, &err));
+    p.made_for = made_for;
+    l->scale = scale;
+    assert_ok(iso_fit_verify(&p, 2, checks, NULL, &err));
+    assert_null(checks[1].what);
+    scale[100] ^= 1;
+    assert_ok(iso_fit_verify(&p, 2, checks, NULL, &err));
+    assert_string_equal(checks[1].what, "extinction scale");
+    assert_int_equal(checks[1].differing, 1);
 }
 
 /* What pyramid.json says is what is checked: neither a mean that calls itself fitted passes, nor another TF's fit. */

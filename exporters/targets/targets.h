@@ -77,7 +77,6 @@ typedef struct iso_export_job {
     bool force;   /* True if a foreign file next to the output is kept aside; otherwise it ends the export */
     const double *background; /* value of voxels that grids omit; NULL: chosen automatically, or none are omitted */
     const char *command;      /* noted in files, without folders */
-    bool extinction_scale;    /* True if the views of view_of_level have one (fit/extinction_scale.h) */
     bool isosurface;
     double iso;
     int threads;

@@ -17,6 +17,7 @@
 #include "plan/planner.h"
 #include "scene/subject.h"
 #include "tf/adapt.h"
+#include "tf/level_look.h"
 
 /* A frame is drawn up to MOST_FRAMES times while that takes less than FRAMES_SECONDS. */
 enum { MOST_FRAMES = 5, HASTY_FRAMES = 2 };
@@ -333,8 +334,10 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
     }
     if (c->second != ISO_SECOND_VALUE_NONE)
         view.tf_2d = &s->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION];
-    else if (c->adapted)
+    else if (c->adapted) {
         view.tf = s->adapted[c->level];
+        view.extinction_scale = (uint8_t *)(uintptr_t)iso_level_own_scale(base, c->level, &s->view.tf); /* borrowed */
+    }
     opt.source = c->source;
     opt.quadrature = c->preintegrated ? ISO_QUADRATURE_PREINTEGRATED : ISO_QUADRATURE_MIDPOINT;
     opt.step_voxels = c->step_voxels;

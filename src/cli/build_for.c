@@ -30,15 +30,18 @@ iso_status iso_cli_check_memory(const char *option, const char *volume, const is
 char *iso_cli_scene_level_text(const iso_scene_level *made, size_t level, char *text, size_t size)
 {
     const iso_level_candidate *chosen = &made->candidates[made->chosen];
-    int used = snprintf(text, size, "level %zu: %s%s, 1 - SSIM %.4f", level, iso_level_scalar_name(made->chosen),
-                        chosen->adapted ? " and its adapted TF" : "", chosen->ssim_dissimilarity);
+    const iso_level_way *way = &iso_level_ways[made->chosen];
+    int used = snprintf(text, size, "level %zu: %s%s%s, 1 - SSIM %.4f", level, iso_level_scalar_name(way->scalar),
+                        way->scaled ? ", scaled" : "", chosen->adapted ? ", under its own TF" : "",
+                        chosen->seen.ssim_dissimilarity);
     const char *before = " (";
-    for (int i = 0; i < ISO_LEVEL_SCALAR_COUNT; ++i) {
+    for (int i = 0; i < ISO_LEVEL_WAY_COUNT; ++i) {
         const iso_level_candidate *c = &made->candidates[i];
         if (c == chosen || !c->tried || used < 0 || (size_t)used >= size)
             continue;
-        used += snprintf(text + used, size - (size_t)used, "%s%s %.4f", before,
-                         iso_level_scalar_name((iso_level_scalar)i), c->ssim_dissimilarity);
+        used += snprintf(text + used, size - (size_t)used, "%s%s%s %.4f", before,
+                         iso_level_scalar_name(iso_level_ways[i].scalar), iso_level_ways[i].scaled ? " scaled" : "",
+                         c->seen.ssim_dissimilarity);
         before = ", ";
     }
     if (used > 0 && (size_t)used < size)

@@ -162,7 +162,6 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
     job.volume = volume.data ? &volume : NULL;
     job.planned = a->plan ? &planned : NULL;
     job.merged = iso_export_wants_merged(a);
-    job.extinction_scale = a->adapted.extinction_scale;
     job.bake = a->bake.wanted ? &a->bake : NULL;
     job.lattice = a->bake.lattice;
     TRY(status, target->write(&job, err));

@@ -196,6 +196,18 @@ static char *input_line(const char *path, const iso_volume_input *input)
     return line;
 }
 
+/* Reports that the page does not have the levels' own transfer functions and extinction scales. */
+static void note_levels(const iso_cli *cli, const char *path)
+{
+    if (cli->quiet)
+        return;
+    iso_progress_line_hide(cli->progress);
+    fprintf(stderr,
+            "isoshade view: note: %s: levels that were made for a scene are shown under its transfer function, not under "
+            "their own\n",
+            path);
+}
+
 static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *err)
 {
     const char *path = cli->arguments[0];
@@ -228,6 +240,8 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
         v.codes[0] = pyramid.options.code;
     TRY(status, choose_levels(a, &pyramid, &v, err));
     TRY(status, iso_subject_make_scene(&look, &pyramid, &scene, err));
+    if (status == ISO_OK && pyramid.made_for)
+        note_levels(cli, path);
     if (status == ISO_OK && a->plan)
         status = iso_subject_refuse_labels(&pyramid, path, "a plan", err);
     if (status == ISO_OK && a->plan) {

@@ -148,18 +148,12 @@ static iso_status make_view(curves *c, const iso_figure_job *job, size_t level, 
     return status == ISO_OK ? iso_cli_adapt_view(&adapted, job->input, p, level, view, job->cli->threads, err) : status;
 }
 
-static bool are_equal(const iso_tf_table *a, const iso_tf_table *b)
-{
-    return a->count == b->count && a->lo == b->lo && a->hi == b->hi &&
-           memcmp(a->entries, b->entries, 4 * a->count * sizeof *a->entries) == 0;
-}
-
 static void name_level(const curves *c, size_t i, char title[64])
 {
     const size_t level = c->first + i;
     snprintf(title, 64, "level %zu%s", level,
              level == 0                                    ? ""
-             : are_equal(&c->views[0].tf, &c->views[i].tf) ? ", the original is kept"
+             : iso_tf_table_equals(&c->views[0].tf, &c->views[i].tf) ? ", the original is kept"
                                                            : ", adapted");
 }
 
@@ -219,7 +213,7 @@ static void write_caption(const curves *c, const iso_figure_job *job, FILE *f)
     iso_figure_describe_tf_bar(f, unit_mm);
     fputc('.', f);
     for (size_t i = 1; i < c->count; ++i)
-        if (are_equal(&c->views[0].tf, &c->views[i].tf))
+        if (iso_tf_table_equals(&c->views[0].tf, &c->views[i].tf))
             fprintf(f, " At level %zu adapting does not help in small views, so the original is kept.", c->first + i);
 }
 

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "fit/interpolation.h"
 #include "fit/opacity_kernel.h"
+#include "tf/level_look.h"
 
 enum { ROUNDS = 3, SCRATCH_ROWS = 3 };
 
@@ -380,21 +381,40 @@ iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_ta
     return status;
 }
 
+/* Copies the level's own scale; 1 if it has none. */
+static void copy_own(const iso_level *l, uint8_t *bytes)
+{
+    const size_t count = iso_geometry_voxel_count(&l->geometry);
+    if (l->scale)
+        memcpy(bytes, l->scale, count);
+    else
+        memset(bytes, ISO_EXTINCTION_SCALE_ONE, count);
+}
+
 iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const iso_tf_table *original,
                                       const iso_tf_table *own, int threads, uint8_t **bytes, iso_error *err)
 {
+    const iso_level *l = &p->levels[level];
     iso_extinction_scaler *s = NULL;
+    iso_tf_table look = {0};
+    bool is_made_for = false;
     *bytes = NULL;
-    if (level == 0 || p->levels[level].is_optimized)
+    if (level == 0)
         return ISO_OK;
-    iso_status status = iso_extinction_scaler_create(&p->levels[0], &p->levels[level], level, threads, &s, err);
-    if (status == ISO_OK && !(*bytes = malloc(iso_geometry_voxel_count(&p->levels[level].geometry))))
+    iso_status status = iso_level_look(p, level, original, &look, &is_made_for, err);
+    if (status == ISO_OK && !(*bytes = malloc(iso_geometry_voxel_count(&l->geometry))))
         status = iso_fail(err, ISO_E_MEMORY, "extinction scale: no memory for one byte per voxel");
-    TRY(status, iso_extinction_scaler_apply(s, original, own, *bytes, NULL, err));
+    if (status == ISO_OK && (is_made_for || l->is_optimized)) {
+        copy_own(l, *bytes);
+    } else if (status == ISO_OK) {
+        status = iso_extinction_scaler_create(&p->levels[0], l, level, threads, &s, err);
+        TRY(status, iso_extinction_scaler_apply(s, original, own, *bytes, NULL, err));
+    }
     if (status != ISO_OK) {
         free(*bytes);
         *bytes = NULL;
     }
+    iso_tf_table_destroy(&look);
     iso_extinction_scaler_destroy(s);
     return status;
 }

@@ -48,6 +48,13 @@ static inline double iso_extinction_scale_of(double byte)
     return exp2(iso_extinction_scale_log2(byte));
 }
 
+/* Returns the byte nearest to log2 q. */
+static inline uint8_t iso_extinction_scale_byte(double octaves)
+{
+    const double byte = round(ISO_EXTINCTION_SCALE_ONE + ISO_EXTINCTION_SCALE_PER_OCTAVE * octaves);
+    return (uint8_t)fmin(fmax(byte, 0), ISO_EXTINCTION_SCALE_LAST);
+}
+
 /* The part that does not depend on the transfer function, made once per level: an edit then costs rounds over the
  * visible voxels. */
 typedef struct iso_extinction_scaler iso_extinction_scaler;
@@ -69,8 +76,8 @@ typedef struct iso_extinction_scale_cost {
 iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_table *original, const iso_tf_table *own,
                                        uint8_t *bytes, iso_extinction_scale_cost *cost, iso_error *err);
 
-/* Does all of it for one level of a pyramid: *bytes is allocated, to be freed; NULL for level 0 and optimized
- * levels, which need none. */
+/* Does all of it for one level of a pyramid: *bytes is allocated, to be freed; NULL for level 0. Copies the scale of a
+ * level that was made for `original` (tf/level_look.h) or is optimized: 168 if it has none. */
 iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const iso_tf_table *original,
                                       const iso_tf_table *own, int threads, uint8_t **bytes, iso_error *err);
 

@@ -5,13 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/parallel.h"
+#include "fit/extinction_scale.h"
 #include "pyramid/spline_kernel.h"
+#include "tf/level_look.h"
 
 static const struct {
     const char *name, *summary;
 } kinds_of_scalar[] = {
     [ISO_LEVEL_AS_BUILT] = {"as-built", "by the pyramid's scalar filter"},
     [ISO_LEVEL_LEAST_SQUARES] = {"least-squares", "closest to level 0 under trilinear interpolation"},
+    [ISO_LEVEL_DAMPED] = {"damped", "from the means .6 of the way to least squares"},
     [ISO_LEVEL_FITTED] = {"fitted", "closest to level 0 after the transfer function"},
     [ISO_LEVEL_OPTIMIZED] = {"optimized", "closest to level 0 in pictures, with its directions"},
 };
@@ -94,6 +98,42 @@ iso_status iso_level_scalars_make(const iso_level_scalar_input *in, float *least
     return status;
 }
 
+/* The fine voxels of a coarse one. */
+typedef struct own_voxels {
+    double mean;
+    float low, high;
+} own_voxels;
+
+static own_voxels find_own(const iso_level *fine, size_t level, size_t x, size_t y, size_t z)
+{
+    const size_t *n = fine->geometry.size, r = (size_t)1 << level;
+    own_voxels own = {0, INFINITY, -INFINITY};
+    size_t count = 0;
+    for (size_t k = z * r; k < (z + 1) * r && k < n[2]; ++k)
+        for (size_t j = y * r; j < (y + 1) * r && j < n[1]; ++j)
+            for (size_t i = x * r; i < (x + 1) * r && i < n[0]; ++i, ++count) {
+                const float v = fine->scalar[(k * n[1] + j) * n[0] + i];
+                own.mean += (double)v;
+                own.low = fminf(own.low, v);
+                own.high = fmaxf(own.high, v);
+            }
+    own.mean /= (double)count;
+    return own;
+}
+
+void iso_level_scalar_damp(const iso_level_scalar_input *in, float *scalar)
+{
+    size_t n[3];
+    for (int a = 0; a < 3; ++a)
+        n[a] = (in->level0->geometry.size[a] + ((size_t)1 << in->level) - 1) >> in->level;
+#pragma omp parallel for schedule(static) num_threads(iso_threads(in->threads))
+    for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i) {
+        const own_voxels own = find_own(in->level0, in->level, i % n[0], i / n[0] % n[1], i / (n[0] * n[1]));
+        const float held = in->level == 1 ? fminf(fmaxf(scalar[i], own.low), own.high) : scalar[i];
+        scalar[i] = (float)(own.mean + (double)ISO_DAMPED_PART * ((double)held - own.mean));
+    }
+}
+
 size_t iso_level_scalar_bytes(const size_t n[3])
 {
     const size_t fine = n[0] * n[1] * n[2], coarse = ((n[0] + 1) / 2) * ((n[1] + 1) / 2) * ((n[2] + 1) / 2);
@@ -116,42 +156,66 @@ static void read_level(iso_json_reader *r, const json_t *entry, const iso_pyrami
 iso_status iso_level_scalars_read(const iso_pyramid *p, iso_tf_table *tf, iso_level_scalar kinds[32], iso_error *err)
 {
     iso_json_reader r = {.path = "pyramid.json", .err = err};
-    const iso_level *level0 = &p->levels[0];
-    iso_tf own = {0};
     *tf = (iso_tf_table){0};
     for (size_t k = 0; k < 32; ++k)
         kinds[k] = ISO_LEVEL_AS_BUILT;
     const json_t *levels = iso_json_get_array(&r, p->made_for, "levels", true);
-    const json_t *points = iso_json_get_object(&r, p->made_for, "tf", true);
     for (size_t i = 0; i < json_array_size(levels) && r.status == ISO_OK; ++i)
         read_level(&r, json_array_get(levels, i), p, kinds);
     iso_status status = r.status;
-    TRY(status, iso_tf_from_json(points, r.path, &own, err));
-    TRY(status, iso_tf_tabulate(&own, iso_pyramid_lo(p), iso_pyramid_hi(p), &level0->geometry, tf, err));
-    iso_tf_destroy(&own);
+    TRY(status, iso_level_scene_tf(p, tf, err));
     return status;
+}
+
+static void note(const iso_level *l, size_t voxel, const char *what, iso_level_check *check)
+{
+    const size_t *n = l->geometry.size;
+    if (!check->what) {
+        check->what = what;
+        check->first[0] = voxel % n[0], check->first[1] = voxel / n[0] % n[1], check->first[2] = voxel / (n[0] * n[1]);
+    }
+    ++check->differing;
 }
 
 /* Notes the voxels of a level that differ from those made again. */
 static void compare(const iso_level *l, const float *made, iso_level_check *check)
 {
-    const size_t *n = l->geometry.size, count = iso_geometry_voxel_count(&l->geometry);
+    const size_t count = iso_geometry_voxel_count(&l->geometry);
     double lo = INFINITY, hi = -INFINITY;
     for (size_t i = 0; i < count; ++i) {
         lo = fmin(lo, (double)made[i]);
         hi = fmax(hi, (double)made[i]);
-        if (memcmp(&l->scalar[i], &made[i], sizeof(float)) == 0)
-            continue;
-        if (!check->what) {
-            check->what = "values";
-            check->first[0] = i % n[0], check->first[1] = i / n[0] % n[1], check->first[2] = i / (n[0] * n[1]);
-        }
-        ++check->differing;
+        if (memcmp(&l->scalar[i], &made[i], sizeof(float)) != 0)
+            note(l, i, "values", check);
     }
     if (!check->what && (lo != l->min || hi != l->max)) {
         check->what = "range";
         check->differing = check->voxels;
     }
+}
+
+/* Makes a level's extinction scale again. */
+static iso_status compare_scale(const iso_pyramid *p, size_t level, const iso_tf_table *tf, int threads,
+                                iso_level_check *check, iso_error *err)
+{
+    const iso_level *l = &p->levels[level];
+    const size_t bytes = iso_geometry_voxel_count(&l->geometry);
+    iso_extinction_scaler *scaler = NULL;
+    iso_tf_table own = {0};
+    if (!l->scale)
+        return ISO_OK;
+    uint8_t *made = malloc(bytes);
+    iso_status status = made ? iso_level_look(p, level, tf, &own, NULL, err)
+                             : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bytes", bytes);
+    TRY(status, iso_extinction_scaler_create(&p->levels[0], l, level, threads, &scaler, err));
+    TRY(status, iso_extinction_scaler_apply(scaler, tf, &own, made, NULL, err));
+    for (size_t i = 0; i < bytes && status == ISO_OK; ++i)
+        if (l->scale[i] != made[i])
+            note(l, i, "extinction scale", check);
+    iso_extinction_scaler_destroy(scaler);
+    iso_tf_table_destroy(&own);
+    free(made);
+    return status;
 }
 
 iso_status iso_fit_verify(const iso_pyramid *p, int threads, iso_level_check *checks, const iso_progress *progress,
@@ -171,11 +235,15 @@ iso_status iso_fit_verify(const iso_pyramid *p, int threads, iso_level_check *ch
         iso_progress_report(progress, "levels", (double)k / (double)p->level_count);
         if (status == ISO_OK && kinds[k] != ISO_LEVEL_AS_BUILT && kinds[k] != ISO_LEVEL_OPTIMIZED) {
             const bool fitted = kinds[k] == ISO_LEVEL_FITTED;
-            status = iso_level_scalars_make(&(iso_level_scalar_input){&p->levels[0], &tf, k, threads}, made[0],
-                                            fitted ? made[1] : NULL, NULL, err);
+            const iso_level_scalar_input in = {&p->levels[0], &tf, k, threads};
+            status = iso_level_scalars_make(&in, made[0], fitted ? made[1] : NULL, NULL, err);
+            if (status == ISO_OK && kinds[k] == ISO_LEVEL_DAMPED)
+                iso_level_scalar_damp(&in, made[0]);
             if (status == ISO_OK)
                 compare(&p->levels[k], made[fitted], &checks[k]);
         }
+        if (status == ISO_OK && kinds[k] != ISO_LEVEL_OPTIMIZED)
+            status = compare_scale(p, k, &tf, threads, &checks[k], err);
         free(made[0]);
         free(made[1]);
     }

@@ -26,16 +26,17 @@ typedef struct fit_case {
     float *scalars[ISO_LEVEL_SCALAR_COUNT];
     double seconds[3]; /* processor time: least squares, fit, pictures */
     iso_fit_report fit;
-    iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT];
+    iso_level_candidate candidates[ISO_LEVEL_WAY_COUNT];
 } fit_case;
 
 static iso_status measure(fit_bench *b, fit_case *c, iso_error *err)
 {
     const iso_level_scalar_input in = {&c->pyramid->levels[0], &c->table, c->level, b->cli->threads};
     double times[4] = {iso_cpu_seconds()};
-    iso_status status = iso_level_scalars_make(&in, c->scalars[1], NULL, NULL, err);
+    iso_status status = iso_level_scalars_make(&in, c->scalars[ISO_LEVEL_LEAST_SQUARES], NULL, NULL, err);
     times[1] = iso_cpu_seconds();
-    TRY(status, iso_level_scalars_make(&in, c->scalars[1], c->scalars[2], &c->fit, err));
+    TRY(status, iso_level_scalars_make(&in, c->scalars[ISO_LEVEL_LEAST_SQUARES], c->scalars[ISO_LEVEL_FITTED], &c->fit,
+                                       err));
     times[2] = iso_cpu_seconds();
     TRY(status,
         iso_scene_level_judge(c->pyramid, c->level, &c->scene, c->scalars, b->cli->threads, c->candidates, err));
@@ -50,7 +51,7 @@ static void note(fit_bench *b, const fit_case *c)
 {
     const double fine = (double)iso_geometry_voxel_count(&c->pyramid->levels[0].geometry);
     const double bytes = (double)iso_scene_levels_bytes(&c->pyramid->levels[0].geometry, ISO_U8, ISO_EFFORT_NONE);
-    const char *chosen = iso_level_scalar_name(iso_scene_level_choose(c->candidates));
+    const char *chosen = iso_level_scalar_name(iso_level_ways[iso_scene_level_choose(c->candidates)].scalar);
     const double left = c->fit.error_start > 0 ? c->fit.error_end / c->fit.error_start : 1;
     json_array_append_new(b->cases,
                           json_pack("{s:s, s:s, s:I, s:f, s:f, s:f, s:f, s:f, s:s}", "volume", c->volume, "tf", c->tf,
@@ -69,14 +70,14 @@ static iso_status run_level(fit_bench *b, fit_case *c, iso_error *err)
     const iso_level *l = &c->pyramid->levels[c->level];
     const size_t bytes = iso_geometry_voxel_count(&l->geometry) * sizeof(float);
     c->scalars[0] = l->scalar;
-    c->scalars[1] = malloc(bytes);
-    c->scalars[2] = malloc(bytes);
-    iso_status status = c->scalars[1] && c->scalars[2] ? measure(b, c, err)
-                                                       : iso_fail(err, ISO_E_MEMORY, "no memory for a level");
+    float **made[2] = {&c->scalars[ISO_LEVEL_LEAST_SQUARES], &c->scalars[ISO_LEVEL_FITTED]};
+    for (int i = 0; i < 2; ++i)
+        *made[i] = malloc(bytes);
+    iso_status status = *made[0] && *made[1] ? measure(b, c, err) : iso_fail(err, ISO_E_MEMORY, "no memory for a level");
     if (status == ISO_OK)
         note(b, c);
-    free(c->scalars[1]);
-    free(c->scalars[2]);
+    for (int i = 0; i < 2; ++i)
+        free(*made[i]);
     return status;
 }
 
@@ -135,7 +136,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
 
 const iso_command iso_lab_fit = {
     .name = "fit",
-    .summary = "cost of levels for a scene (build --for): least squares, the fit, the small pictures",
+    .summary = "cost of levels for a scene (build --for): least squares, the fit, the pictures",
     .min_arguments = 1,
     .max_arguments = 64,
     .usage = "VOLUME... [options]",

@@ -5,6 +5,16 @@
 #include <string.h>
 
 #include "plan/scene_levels.h"
+#include "tf/level_look.h"
+
+static void set_range(iso_level *l)
+{
+    l->min = l->max = (double)l->scalar[0];
+    for (size_t i = 1; i < iso_geometry_voxel_count(&l->geometry); ++i) {
+        l->min = (double)l->scalar[i] < l->min ? (double)l->scalar[i] : l->min;
+        l->max = (double)l->scalar[i] > l->max ? (double)l->scalar[i] : l->max;
+    }
+}
 
 /* Shows `scalar` under the transfer function that --adapt selects for it; takes ownership of `scalar`. */
 static iso_status show(const iso_level_subject *s, float *scalar, iso_level_shown *shown, iso_error *err)
@@ -14,11 +24,7 @@ static iso_status show(const iso_level_subject *s, float *scalar, iso_level_show
     iso_adapt_options opt = iso_adapt_defaults();
     opt.threads = s->threads;
     shown->scalar = shown->level.scalar = scalar;
-    shown->level.min = shown->level.max = (double)scalar[0];
-    for (size_t i = 1; i < iso_geometry_voxel_count(&shown->level.geometry); ++i) {
-        shown->level.min = (double)scalar[i] < shown->level.min ? (double)scalar[i] : shown->level.min;
-        shown->level.max = (double)scalar[i] > shown->level.max ? (double)scalar[i] : shown->level.max;
-    }
+    set_range(&shown->level);
     memcpy(levels, with.levels, with.level_count * sizeof *levels);
     levels[s->level] = shown->level;
     with.levels = levels;
@@ -37,7 +43,18 @@ iso_scene iso_level_bench_scene(iso_tf tf)
                        .tf = tf};
 }
 
-/* Shows the level that small pictures select, among them an optimized one unless there is no effort. */
+/* Takes the transfer function that shows a level. */
+static iso_status take_look(const iso_pyramid *p, size_t level, iso_level_shown *shown, iso_error *err)
+{
+    iso_tf_table scene = {0};
+    iso_status status = iso_level_scene_tf(p, &scene, err);
+    iso_tf_table_destroy(&shown->tf);
+    TRY(status, iso_level_look(p, level, &scene, &shown->tf, NULL, err));
+    iso_tf_table_destroy(&scene);
+    return status;
+}
+
+/* Shows the level that pictures select, among them an optimized one unless there is no effort. */
 static iso_status make_for_scene(const iso_level_subject *s, iso_effort effort, iso_level_shown *shown, iso_error *err)
 {
     const size_t count = iso_geometry_voxel_count(&shown->level.geometry);
@@ -57,20 +74,21 @@ static iso_status make_for_scene(const iso_level_subject *s, iso_effort effort, 
         levels[s->level].scalar = scalar;
         levels[s->level].codes = codes;
         levels[s->level].directions = NULL;
+        levels[s->level].scale = NULL;
         with.levels = levels;
         with.level_count = s->level + 1;
         with.made_for = NULL;
         status = iso_scene_levels_make(&with, s->level, &scene, &opt, s->threads, NULL, NULL, err);
+        TRY(status, take_look(&with, s->level, shown, err));
         scalar = levels[s->level].scalar; /* both are replaced if the first ones were not the best */
         codes = levels[s->level].codes;
-        shown->level.is_optimized = levels[s->level].is_optimized;
+        shown->extinction_scale = levels[s->level].scale;
         json_decref(with.made_for);
     }
     iso_tf_destroy(&tf);
     shown->bytes = shown->level.codes = codes;
-    if (status == ISO_OK)
-        return show(s, scalar, shown, err);
-    free(scalar);
+    shown->scalar = shown->level.scalar = scalar;
+    set_range(&shown->level);
     return status;
 }
 

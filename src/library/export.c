@@ -14,19 +14,12 @@ typedef struct look {
     const iso_export_options *given;
 } look;
 
-/* Resolves the scene for a level: a view with a table of its own. */
 static iso_status view_of_level(const iso_export_job *job, size_t level, iso_view *view, iso_error *err)
 {
     const look *l = job->user;
     const iso_export_options *o = l->given;
-    iso_tf *adapted = NULL;
-    *view = (iso_view){0};
-    iso_status status = ISO_OK;
-    if (o->adapt)
-        status = iso_tf_adapt(o->tf ? o->tf : &l->scene->tf, job->pyramid, level, &adapted, err);
-    TRY(status, iso_scene_view(l->scene, job->pyramid, adapted ? adapted : o->tf, o->width, o->height, view, err));
-    iso_tf_free(adapted);
-    return status;
+    return iso_library_view(&(iso_library_look){l->scene, o->tf, o->width, o->height, o->adapt}, job->pyramid, level, view,
+                            err);
 }
 
 static iso_status check_levels(const iso_pyramid *p, const iso_export_options *o, iso_error *err)

@@ -62,15 +62,13 @@ iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const 
     iso_render_options o;
     iso_renderers renderers = {0};
     iso_view view = {0};
-    iso_tf *adapted = NULL;
     iso_call call;
     *image = (iso_image){0};
     iso_call_begin(&call, given.progress, given.progress_user);
     iso_status status = take_options(&given, &o, err);
     TRY(status, iso_pyramid_check_level(pyramid, NULL, given.level, err));
-    if (status == ISO_OK && given.adapt)
-        status = iso_tf_adapt(given.tf ? given.tf : &scene->tf, pyramid, given.level, &adapted, err);
-    TRY(status, iso_scene_view(scene, pyramid, adapted ? adapted : given.tf, given.width, given.height, &view, err));
+    TRY(status, iso_library_view(&(iso_library_look){scene, given.tf, given.width, given.height, given.adapt}, pyramid,
+                                 given.level, &view, err));
     TRY(status, iso_render_with(&(iso_render_request){&renderers, pyramid, given.level, &view, &o, &call.progress},
                                 image, NULL, err));
     TRY(status, iso_progress_check(&call.progress, err));
@@ -79,6 +77,5 @@ iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const 
         iso_image_destroy(image);
     iso_renderers_end(&renderers);
     iso_view_destroy(&view);
-    iso_tf_free(adapted);
     return iso_call_end(&call, status, err);
 }

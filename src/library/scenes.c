@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "library/shared.h"
+#include "scene/level_view.h"
 #include "scene/subject.h"
 
 /* Where messages and the names of files start from, for a scene that has no file. */
@@ -181,6 +182,22 @@ iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const is
     return status == ISO_OK
                ? iso_scene_resolve(&changed, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err)
                : status;
+}
+
+iso_status iso_library_view(const iso_library_look *look, const iso_pyramid *p, size_t level, iso_view *view,
+                            iso_error *err)
+{
+    iso_tf *adapted = NULL;
+    bool found = false;
+    iso_status status = iso_scene_view(look->scene, p, look->tf, look->width, look->height, view, err);
+    TRY(status, iso_view_take_level(view, p, level, &found, err));
+    if (status != ISO_OK || found || !look->adapt)
+        return status;
+    iso_view_destroy(view);
+    status = iso_tf_adapt(look->tf ? look->tf : &look->scene->tf, p, level, &adapted, err);
+    TRY(status, iso_scene_view(look->scene, p, adapted, look->width, look->height, view, err));
+    iso_tf_free(adapted);
+    return status;
 }
 
 void iso_scene_free(iso_scene *scene)

@@ -28,4 +28,15 @@ json_t *iso_json_of_scene(const iso_scene *scene);
 iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const iso_tf *tf, size_t width, size_t height,
                           iso_view *view, iso_error *err);
 
+/* How a level is to be looked at. */
+typedef struct iso_library_look {
+    const iso_scene *scene;
+    const iso_tf *tf;     /* NULL: the scene's */
+    size_t width, height; /* 0: the scene's */
+    bool adapt;
+} iso_library_look;
+/* Resolves the scene for a level: as it was made to be shown (scene/level_view.h), or adapted if asked for. */
+iso_status iso_library_view(const iso_library_look *look, const iso_pyramid *p, size_t level, iso_view *view,
+                            iso_error *err);
+
 #endif

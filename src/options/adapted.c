@@ -7,6 +7,7 @@
 
 #include "fit/extinction_scale.h"
 #include "options/cli.h"
+#include "scene/level_view.h"
 #include "tf/ghost.h"
 
 void iso_cli_adapted_defaults(iso_cli_adapted *a)
@@ -125,16 +126,38 @@ static iso_status check_together(const iso_cli_adapted *a, iso_error *err)
     return ISO_OK;
 }
 
+/* Reports that a level was made for another transfer function than the view's. */
+static void warn_of_other_tf(const iso_cli_adapted *a, const iso_pyramid *p, size_t level)
+{
+    const char *scene = json_string_value(json_object_get(p->made_for, "scene"));
+    if (!a->cli || a->cli->quiet)
+        return;
+    iso_progress_line_hide(a->cli->progress);
+    fprintf(stderr,
+            "isoshade %s: warning: level %zu was made for the transfer function of %s and looks less like level 0 under "
+            "another one; build without --for, or for this scene\n",
+            a->cli->command->name, level, scene ? scene : "another scene");
+}
+
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
                               iso_view *view, int threads, iso_error *err)
 {
     iso_tf_table original = {0};
+    bool is_made_for = false;
+    const iso_level *l = level < p->level_count ? &p->levels[level] : NULL;
     iso_status status = check_together(a, err);
-    if (status == ISO_OK && a->extinction_scale)
+    if (status == ISO_OK && !a->tf_2d && l)
+        status = iso_view_take_level(view, p, level, &is_made_for, err);
+    if (status != ISO_OK || is_made_for)
+        return status;
+    if (l && (l->made_for_scene || l->scale))
+        warn_of_other_tf(a, p, level);
+    const bool scales = a->extinction_scale || (l && l->is_optimized && l->scale);
+    if (scales)
         status = iso_tf_table_copy(&view->tf, &original, err);
     if (status == ISO_OK && a->wanted)
         status = adapt_view(a, path, p, level, view, threads, err);
-    if (status == ISO_OK && a->extinction_scale)
+    if (status == ISO_OK && scales)
         status = iso_extinction_scale_level(p, level, &original, &view->tf, threads, &view->extinction_scale, err);
     iso_tf_table_destroy(&original);
     return status;

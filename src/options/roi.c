@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "options/cli.h"
+#include "tf/level_look.h"
 
 void iso_cli_roi_defaults(iso_cli_roi *r)
 {
@@ -29,9 +30,15 @@ static iso_status roi_tf(const iso_cli_roi_place *at, size_t level, const iso_tf
                          iso_error *err)
 {
     iso_adapt_options opt;
+    bool is_made_for = false;
+    iso_status status = iso_level_look(at->pyramid, level, tf, table, &is_made_for, err);
+    if (status == ISO_OK && at->pyramid->levels[level].scale)
+        status = iso_fail(err, ISO_E_USAGE, "--roi-level %zu: the level has an extinction scale; use level 0", level);
+    if (status != ISO_OK || is_made_for)
+        return status;
     if (!at->adapted->wanted)
         level = 0; /* copies the table */
-    iso_status status = iso_cli_adapt_options(at->adapted, at->threads, &opt, err);
+    status = iso_cli_adapt_options(at->adapted, at->threads, &opt, err);
     opt.folder = iso_pyramid_is_one(at->path) ? at->path : NULL;
     return status == ISO_OK ? iso_adapt_level(at->pyramid, level, tf, &opt, table, NULL, err) : status;
 }

@@ -1,12 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 #include "plan/level_gate.h"
 
+#include <math.h>
+#include <string.h>
+
 #include "compare/metrics.h"
 #include "compare/ssim.h"
-#include "plan/optimize.h"
 #include "render/cpu/caster.h"
+#include "scene/views.h"
+#include "tf/adapt.h"
 
-enum { GATE_SEED = 0x67617465 }; /* not a seed of training */
+enum { VIEWS = ISO_LEVEL_GATE_VIEWS, GATE_SEED = 0x67617465 }; /* not a seed of training */
+
+bool iso_level_gate_is_better(const iso_level_seen *built, const iso_level_seen *other)
+{
+    bool good = other->ssim_dissimilarity <= (1 - ISO_LEVEL_GATE_GAIN) * built->ssim_dissimilarity &&
+                other->rmse <= (1 + ISO_LEVEL_GATE_RMSE_LOSS) * built->rmse;
+    for (int i = 0; i < VIEWS; ++i)
+        good = good && other->of_view[i] - built->of_view[i] <= ISO_ADAPT_WORST_VIEW;
+    return good;
+}
 
 bool iso_level_gate_is_nearer(const iso_level_seen *a, const iso_level_seen *b)
 {
@@ -14,6 +27,44 @@ bool iso_level_gate_is_nearer(const iso_level_seen *a, const iso_level_seen *b)
     return b->ssim_dissimilarity <= most * a->ssim_dissimilarity && b->rmse <= a->rmse &&
            b->small_ssim_dissimilarity <= most * a->small_ssim_dissimilarity && b->small_rmse <= a->small_rmse;
 }
+
+/* ---- views ------------------------------------------------------------------------------------------------------ */
+
+static iso_vec3 random_direction(iso_random *r)
+{
+    const double z = 2 * iso_random_unit(r) - 1, turn = 2 * acos(-1) * iso_random_unit(r), s = sqrt(1 - z * z);
+    return iso_v3(s * cos(turn), s * sin(turn), z);
+}
+
+/* Returns the side of pictures whose pixels are 1.1 fine voxels. */
+static size_t picture_side(const iso_geometry *level0)
+{
+    const double side = 2 * iso_geometry_box_radius_mm(level0) / (1.1 * iso_geometry_min_spacing_mm(level0));
+    return (size_t)fmin(fmax(side, 64), 448);
+}
+
+iso_status iso_gate_random_view(const iso_pyramid *p, const iso_scene *scene, bool own_light, iso_random *r,
+                                iso_view *view, iso_error *err)
+{
+    iso_scene s = *scene; /* copies pointers, whose targets stay the scene's */
+    s.width = s.height = picture_side(&p->levels[0].geometry);
+    s.camera_fit = true;
+    s.camera_direction = random_direction(r);
+    s.camera_up = iso_view_up(s.camera_direction);
+    s.margin = 1;
+    s.zoom = 1;
+    const iso_vec3 light = random_direction(r);
+    if (!own_light && s.light_count > 0) {
+        double intensity = 0;
+        for (size_t i = 0; i < s.light_count; ++i)
+            intensity += s.lights[i].intensity;
+        s.lights[0] = (iso_light){light, false, intensity};
+        s.light_count = 1;
+    }
+    return iso_scene_resolve(&s, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err);
+}
+
+/* ---- pictures --------------------------------------------------------------------------------------------------- */
 
 /* Averages squares of 2^level pixels. */
 static iso_status make_small(const iso_image *from, size_t level, iso_image *to, iso_error *err)
@@ -40,65 +91,71 @@ static iso_status measure(const iso_image *truth, const iso_image *image, double
     double ssim = 1;
     iso_status status = iso_ssim_foreground(truth, image, &ssim, err);
     TRY(status, iso_metrics_measure_differences(truth, image, &m, err));
-    *ssim_dissimilarity += (1 - ssim) / ISO_LEVEL_GATE_VIEWS;
-    *rmse += m.rmse / ISO_LEVEL_GATE_VIEWS;
+    *ssim_dissimilarity = 1 - ssim;
+    *rmse += m.rmse / VIEWS;
     return status;
 }
 
-/* A picture, and its average. */
-typedef struct both {
-    iso_image image, small;
-} both;
-
-static void destroy(both *b)
-{
-    iso_image_destroy(&b->image);
-    iso_image_destroy(&b->small);
-}
-
-static iso_status draw(const iso_pyramid *p, const iso_level_with_tf *shown, iso_view *view, size_t level, int threads,
-                       both *out, iso_error *err)
+static iso_status draw(const iso_level_gate *gate, int i, const iso_level *level, iso_image *image, iso_error *err)
 {
     iso_cpu_options opt = iso_cpu_defaults();
-    const iso_tf_table own = view->tf;
-    opt.threads = threads;
-    *out = (both){0};
-    if (shown->tf)
-        view->tf = *shown->tf;
-    iso_status status = iso_cpu_render(shown->level, p->options.code, view, &opt, &out->image, err);
-    view->tf = own;
-    TRY(status, make_small(&out->image, level, &out->small, err));
-    return status;
+    opt.threads = gate->threads;
+    return iso_cpu_render(level, gate->p->options.code, &gate->views[i], &opt, image, err);
 }
 
-static iso_status look(const iso_pyramid *p, size_t level, const iso_level_with_tf *shown, iso_view *view,
-                       const both *truth, int threads, iso_level_seen *seen, iso_error *err)
+iso_status iso_level_gate_open(iso_level_gate *gate, const iso_pyramid *p, const iso_scene *scene, int threads,
+                               iso_error *err)
 {
-    both drawn;
-    iso_status status = draw(p, shown, view, level, threads, &drawn, err);
-    TRY(status, measure(&truth->image, &drawn.image, &seen->ssim_dissimilarity, &seen->rmse, err));
-    TRY(status, measure(&truth->small, &drawn.small, &seen->small_ssim_dissimilarity, &seen->small_rmse, err));
-    destroy(&drawn);
-    return status;
-}
-
-iso_status iso_level_gate_judge(const iso_pyramid *p, size_t level, const iso_scene *scene,
-                                const iso_level_with_tf *today, const iso_level *optimized, int threads,
-                                iso_level_gate *gate, iso_error *err)
-{
-    iso_view views[ISO_LEVEL_GATE_VIEWS];
-    *gate = (iso_level_gate){0};
-    iso_status status = iso_optimize_views(p, scene, GATE_SEED, ISO_LEVEL_GATE_VIEWS, views, err);
-    for (int i = 0; i < ISO_LEVEL_GATE_VIEWS && status == ISO_OK; ++i) {
-        both truth;
-        status = draw(p, &(iso_level_with_tf){&p->levels[0], NULL}, &views[i], level, threads, &truth, err);
-        TRY(status, look(p, level, today, &views[i], &truth, threads, &gate->today, err));
-        TRY(status,
-            look(p, level, &(iso_level_with_tf){optimized, NULL}, &views[i], &truth, threads, &gate->optimized, err));
-        destroy(&truth);
+    iso_random r = {.state = GATE_SEED};
+    iso_status status = ISO_OK;
+    *gate = (iso_level_gate){.p = p, .threads = threads};
+    for (int i = 0; i < VIEWS && status == ISO_OK; ++i) {
+        status = iso_gate_random_view(p, scene, i % 2 == 0, &r, &gate->views[i], err);
+        TRY(status, draw(gate, i, &p->levels[0], &gate->truth[i], err));
     }
-    for (int i = 0; i < ISO_LEVEL_GATE_VIEWS; ++i)
-        iso_view_destroy(&views[i]);
-    gate->accepts = status == ISO_OK && iso_level_gate_is_nearer(&gate->today, &gate->optimized);
+    return status;
+}
+
+void iso_level_gate_close(iso_level_gate *gate)
+{
+    for (int i = 0; i < VIEWS; ++i) {
+        iso_view_destroy(&gate->views[i]);
+        iso_image_destroy(&gate->truth[i]);
+    }
+}
+
+static iso_status compare(const iso_level_gate *gate, int i, size_t level, const iso_image *image, iso_level_seen *seen,
+                          iso_error *err)
+{
+    iso_image small_truth = {0}, small = {0};
+    double small_ssim_dissimilarity = 0;
+    iso_status status = measure(&gate->truth[i], image, &seen->of_view[i], &seen->rmse, err);
+    TRY(status, make_small(&gate->truth[i], level, &small_truth, err));
+    TRY(status, make_small(image, level, &small, err));
+    TRY(status, measure(&small_truth, &small, &small_ssim_dissimilarity, &seen->small_rmse, err));
+    seen->ssim_dissimilarity += seen->of_view[i] / VIEWS;
+    seen->small_ssim_dissimilarity += small_ssim_dissimilarity / VIEWS;
+    iso_image_destroy(&small_truth);
+    iso_image_destroy(&small);
+    return status;
+}
+
+iso_status iso_level_gate_look(iso_level_gate *gate, size_t level, const iso_shown_level *shown, iso_level_seen *seen,
+                               iso_error *err)
+{
+    iso_status status = ISO_OK;
+    *seen = (iso_level_seen){0};
+    for (int i = 0; i < VIEWS && status == ISO_OK; ++i) {
+        iso_view *view = &gate->views[i];
+        const iso_tf_table own = view->tf;
+        iso_image image = {0};
+        view->tf = *shown->tf; /* borrowed, as the scale */
+        view->extinction_scale = (uint8_t *)(uintptr_t)shown->scale;
+        status = draw(gate, i, shown->level, &image, err);
+        view->tf = own;
+        view->extinction_scale = NULL;
+        TRY(status, compare(gate, i, level, &image, seen, err));
+        iso_image_destroy(&image);
+    }
     return status;
 }

@@ -1,39 +1,60 @@
 /* SPDX-License-Identifier: MIT */
-/* level_gate.h - judges an optimized level (optimize.h) against the best one that filters and fits give.
+/* level_gate.h - judges how near ways to show a coarse level are to level 0.
  *
- * Pictures in directions and lights that were not trained on, with pixels of about a fine voxel; and the same averaged
- * down, so that a pixel is a coarse voxel. The optimized level is accepted if its mean 1 - SSIM is lower by
- * ISO_LEVEL_GATE_GAIN and its RMSE is not higher, in both. */
+ * Pictures in random directions, half of them with the scene's own lights and half with another one; with pixels of
+ * about a fine voxel, and the same averaged down, so that a pixel is a coarse voxel. Levels are optimized (optimize.h)
+ * with others of these views. */
 #ifndef ISO_PLAN_LEVEL_GATE_H
 #define ISO_PLAN_LEVEL_GATE_H
 
+#include "base/random.h"
+#include "image/image.h"
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
 
-#define ISO_LEVEL_GATE_GAIN 0.02
 enum { ISO_LEVEL_GATE_VIEWS = 8 };
 
+/* A level, and how it is shown. */
+typedef struct iso_shown_level {
+    const iso_level *level;
+    const iso_tf_table *tf;
+    const uint8_t *scale; /* of its extinction (fit/extinction_scale.h); or NULL */
+} iso_shown_level;
+
 typedef struct iso_level_seen {
-    double ssim_dissimilarity, rmse, small_ssim_dissimilarity, small_rmse;
+    double of_view[ISO_LEVEL_GATE_VIEWS];                                    /* 1 - SSIM over the foreground */
+    double ssim_dissimilarity, rmse, small_ssim_dissimilarity, small_rmse; /* means; small: averaged down */
 } iso_level_seen;
 
+/* The views, and level 0 in them. */
 typedef struct iso_level_gate {
-    iso_level_seen today, optimized;
-    bool accepts;
+    const iso_pyramid *p;
+    int threads;
+    iso_view views[ISO_LEVEL_GATE_VIEWS];
+    iso_image truth[ISO_LEVEL_GATE_VIEWS];
 } iso_level_gate;
 
-/* A level, and the transfer function that shows it. */
-typedef struct iso_level_with_tf {
-    const iso_level *level;
-    const iso_tf_table *tf; /* NULL: the scene's */
-} iso_level_with_tf;
+/* Draws level 0. Close a gate after a failure, too. ISO_E_MEMORY. */
+iso_status iso_level_gate_open(iso_level_gate *gate, const iso_pyramid *p, const iso_scene *scene, int threads,
+                               iso_error *err);
+void iso_level_gate_close(iso_level_gate *gate);
 
-/* Draws level 0 and both levels. ISO_E_MEMORY. */
-iso_status iso_level_gate_judge(const iso_pyramid *p, size_t level, const iso_scene *scene,
-                                const iso_level_with_tf *today, const iso_level *optimized, int threads,
-                                iso_level_gate *gate, iso_error *err);
+/* Draws a level and compares it. ISO_E_MEMORY. */
+iso_status iso_level_gate_look(iso_level_gate *gate, size_t level, const iso_shown_level *shown, iso_level_seen *seen,
+                               iso_error *err);
 
-/* True if b is nearer than a by the rule above. */
-bool iso_level_gate_is_nearer(const iso_level_seen *a, const iso_level_seen *b);
+/* A built level is replaced if 1 - SSIM is less by this part of it, RMSE is not more by ISO_LEVEL_GATE_RMSE_LOSS, and no
+ * view is farther by ISO_ADAPT_WORST_VIEW (tf/adapt.h). Smaller differences are not significant. */
+#define ISO_LEVEL_GATE_GAIN 0.02
+#define ISO_LEVEL_GATE_RMSE_LOSS 0.15
+bool iso_level_gate_is_better(const iso_level_seen *built, const iso_level_seen *other);
+/* True if an optimized level, which nothing makes again, may replace a: its 1 - SSIM is less by ISO_LEVEL_GATE_GAIN and
+ * its RMSE is not more, in both sizes. */
+bool iso_level_gate_is_nearer(const iso_level_seen *a, const iso_level_seen *optimized);
+
+/* Makes a view of a random direction, in the scene's projection, with pixels of about a fine voxel. own_light: with the
+ * scene's lights, otherwise one from a random direction. */
+iso_status iso_gate_random_view(const iso_pyramid *p, const iso_scene *scene, bool own_light, iso_random *r,
+                                iso_view *view, iso_error *err);
 
 #endif

@@ -8,14 +8,17 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "compare/srgb.h"
+#include "fit/extinction_scale.h"
 #include "render/cpu/adjoint.h"
-#include "scene/views.h"
 
 enum { BUFFERS = 4, MOST_VIEWS = 128, TILE = ISO_ADJOINT_TILE, PIXELS = ISO_ADJOINT_PIXELS };
 
-/* Of the rates .005 and .03 and the decay: larger ones spoil levels that are nearly perfect. */
-#define SCALAR_RATE 0.005f /* of level 0's range */
-#define DIRECTION_RATE 0.03f
+/* Per step, at first. Larger ones spoil levels that are nearly perfect, and learn noise. */
+#define SCALAR_RATE 0.003f /* of level 0's range */
+#define DIRECTION_RATE 0.02f
+#define OCTAVE_RATE 0.03f
+#define COLOR_RATE 0.02f      /* of the transfer function */
+#define EXTINCTION_RATE 0.04f /* of its logarithm */
 #define LAST_RATE 0.05f /* of the first */
 #define SHIFT 0.08      /* of the transfer function, of level 0's range */
 
@@ -25,76 +28,31 @@ static const struct {
     size_t steps, views, samples;
 } efforts[ISO_EFFORT_COUNT] = {
     [ISO_EFFORT_NONE] = {"none", "filters and fits alone, which can be made again from level 0", 0, 0, 0},
-    [ISO_EFFORT_FAST] = {"fast", "a few seconds per million voxels", 200, 32, 250},
-    [ISO_EFFORT_NORMAL] = {"normal", "nine tenths of the gain", 400, 64, 1000},
+    [ISO_EFFORT_FAST] = {"fast", "a few seconds per million voxels", 200, 64, 250},
+    [ISO_EFFORT_NORMAL] = {"normal", "nine tenths of the gain", 400, 128, 1000},
     [ISO_EFFORT_BEST] = {"best", "four times as long", 1600, 128, 4000},
 };
 const iso_names iso_effort_names = ISO_NAMES_OF_ROWS("effort", efforts);
-
-/* ---- views ------------------------------------------------------------------------------------------------------ */
-
-static iso_vec3 random_direction(iso_random *r)
-{
-    const double z = 2 * iso_random_unit(r) - 1, turn = 2 * acos(-1) * iso_random_unit(r), s = sqrt(1 - z * z);
-    return iso_v3(s * cos(turn), s * sin(turn), z);
-}
-
-/* Returns the side of pictures whose pixels are 1.1 fine voxels. */
-static size_t picture_side(const iso_geometry *level0)
-{
-    const double side = 2 * iso_geometry_box_radius_mm(level0) / (1.1 * iso_geometry_min_spacing_mm(level0));
-    return (size_t)fmin(fmax(side, 64), 448);
-}
-
-static iso_status random_view(const iso_pyramid *p, const iso_scene *scene, bool own_light, iso_random *r,
-                              iso_view *view, iso_error *err)
-{
-    iso_scene s = *scene; /* copies pointers, whose targets stay the scene's */
-    s.width = s.height = picture_side(&p->levels[0].geometry);
-    s.camera_fit = true;
-    s.camera_direction = random_direction(r);
-    s.camera_up = iso_view_up(s.camera_direction);
-    s.margin = 1;
-    s.zoom = 1;
-    const iso_vec3 light = random_direction(r);
-    if (!own_light && s.light_count > 0) {
-        double intensity = 0;
-        for (size_t i = 0; i < s.light_count; ++i)
-            intensity += s.lights[i].intensity;
-        s.lights[0] = (iso_light){light, false, intensity};
-        s.light_count = 1;
-    }
-    return iso_scene_resolve(&s, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err);
-}
-
-iso_status iso_optimize_views(const iso_pyramid *p, const iso_scene *scene, uint64_t seed, size_t count,
-                              iso_view *views, iso_error *err)
-{
-    iso_random r = {.state = seed};
-    iso_status status = ISO_OK;
-    memset(views, 0, count * sizeof *views);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = random_view(p, scene, i % 2 == 0, &r, &views[i], err);
-    return status;
-}
-
-/* Shifts a view's transfer function, and scales its extinction. */
-static void change_tf(iso_view *view, double range, iso_random *r)
-{
-    const double shift = SHIFT * range * (2 * iso_random_unit(r) - 1), factor = exp2(-2 + 3.3 * iso_random_unit(r));
-    view->tf.lo += shift;
-    view->tf.hi += shift;
-    for (size_t i = 0; i < view->tf.count; ++i)
-        view->tf.entries[4 * i + 3] *= (float)factor;
-}
 
 /* ---- truth ------------------------------------------------------------------------------------------------------ */
 
 /* A picture of level 0: sRGB and alpha in 16 bits. */
 typedef struct picture {
     iso_view view;
+    bool is_edited; /* its transfer function, under which the level has to be shown, too */
     uint16_t *rgba;
 } picture;
+
+/* Shifts the transfer function, and multiplies its extinction. */
+static void edit_tf(picture *c, double range, iso_random *r)
+{
+    const double shift = SHIFT * range * (2 * iso_random_unit(r) - 1), factor = exp2(-2 + 3.3 * iso_random_unit(r));
+    c->is_edited = true;
+    c->view.tf.lo += shift;
+    c->view.tf.hi += shift;
+    for (size_t i = 0; i < c->view.tf.count; ++i)
+        c->view.tf.entries[4 * i + 3] *= (float)factor;
+}
 
 typedef struct patch {
     uint16_t view, x, y;
@@ -103,12 +61,16 @@ typedef struct patch {
 typedef struct training {
     const iso_pyramid *p;
     const iso_optimize_options *opt;
-    const iso_level *level;
+    const iso_shown_level *start;
+    const iso_geometry *geometry;
     size_t voxels, view_count, side, patch_count, steps, patches_per_step;
     picture pictures[MOST_VIEWS];
     patch *patches;         /* those of the pictures that show something, and some that show nothing */
-    float *field, *moments; /* field: 4 per voxel; moments: 8 */
-    float *gradients[BUFFERS];
+    float *field, *octaves; /* 4 per voxel; 1 */
+    iso_tf_table tf;
+    float *moments, *octave_moments, *tf_moments; /* 2 per number */
+    float *gradients[BUFFERS], *octave_gradients[BUFFERS];
+    double *tf_gradients[BUFFERS];
     float range, lo, hi;
     iso_random random;
 } training;
@@ -126,9 +88,9 @@ static iso_status draw_truth(training *t, const iso_scene *scene, size_t i, iso_
     picture *c = &t->pictures[i];
     iso_cpu_options opt = iso_cpu_defaults();
     iso_image image = {0};
-    iso_status status = random_view(t->p, scene, i % 4 == 0, &t->random, &c->view, err);
-    if (status == ISO_OK && i % 2 == 1)
-        change_tf(&c->view, (double)t->range, &t->random);
+    iso_status status = iso_gate_random_view(t->p, scene, i % 4 == 0, &t->random, &c->view, err);
+    if (status == ISO_OK && i % 4 == 1)
+        edit_tf(c, (double)t->range, &t->random);
     opt.threads = t->opt->threads;
     t->side = c->view.width;
     TRY(status, iso_cpu_render(&t->p->levels[0], t->p->options.code, &c->view, &opt, &image, err));
@@ -187,52 +149,92 @@ static float loss_of(float drawn, uint16_t truth, bool is_alpha, float *slope)
     return length - 0.01f;
 }
 
-/* Draws a patch of the level and adds to a gradient. Returns the sum of the losses. */
-static iso_status learn_patch(const training *t, const patch *at, uint32_t seed, float *gradient, double *loss,
-                              iso_error *err)
+/* Draws a patch of the level and adds to the gradients of buffer b. Adds the sum of the losses to *loss. */
+static iso_status learn_patch(const training *t, const patch *at, uint32_t seed, int b, double *loss, iso_error *err)
 {
     const picture *c = &t->pictures[at->view];
-    const iso_adjoint_field field = {&t->level->geometry, t->field, NULL};
+    const iso_adjoint_field field = {t->geometry, t->field, t->octaves};
     const iso_adjoint_tile tile = {.x = at->x, .y = at->y, .seed = seed};
+    const iso_adjoint_gradient gradient = {t->gradients[b], t->octave_gradients[b],
+                                           c->is_edited ? NULL : t->tf_gradients[b]};
+    iso_view view = c->view; /* borrowed */
     float rgba[4 * PIXELS], slopes[4 * PIXELS];
-    iso_status status = iso_adjoint_draw(&field, &c->view, &tile, rgba, err);
+    if (!c->is_edited)
+        view.tf = t->tf;
+    iso_status status = iso_adjoint_draw(&field, &view, &tile, rgba, err);
     for (size_t i = 0; i < 4 * PIXELS && status == ISO_OK; ++i) {
         const size_t x = at->x + i / 4 % TILE, y = at->y + i / 4 / TILE;
         slopes[i] = 0;
         if (x < t->side && y < t->side)
             *loss += (double)loss_of(rgba[i], c->rgba[4 * (y * t->side + x) + i % 4], i % 4 == 3, &slopes[i]);
     }
-    TRY(status, iso_adjoint_differentiate(&field, &c->view, &tile, rgba, slopes,
-                                          &(iso_adjoint_gradient){gradient, NULL, NULL}, err));
+    TRY(status, iso_adjoint_differentiate(&field, &view, &tile, rgba, slopes, &gradient, err));
     return status;
 }
 
-static void move_voxel(const training *t, size_t voxel, float rate, float first_part, float second_part)
+/* The step's part of the rates, and the corrections of the moments' start at 0. */
+typedef struct pace {
+    float rate, first, second;
+} pace;
+
+/* Returns the way of a number in a step [kingma-2015]. */
+static float way_of(const pace *p, float *moments, float gradient, float size)
 {
-    float *x = t->field + 4 * voxel, *m = t->moments + 8 * voxel;
-    for (size_t k = 0; k < 4; ++k) {
-        float g = 0;
-        for (int b = 0; b < BUFFERS; ++b) {
-            g += t->gradients[b][4 * voxel + k];
-            t->gradients[b][4 * voxel + k] = 0;
-        }
-        m[k] += 0.1f * (g - m[k]);
-        m[4 + k] += 0.01f * (g * g - m[4 + k]);
-        const float size = k == 0 ? SCALAR_RATE * t->range : DIRECTION_RATE;
-        x[k] -= rate * size * (m[k] / first_part) / (sqrtf(m[4 + k] / second_part) + 1e-12f);
+    moments[0] += 0.1f * (gradient - moments[0]);
+    moments[1] += 0.01f * (gradient * gradient - moments[1]);
+    return p->rate * size * (moments[0] / p->first) / (sqrtf(moments[1] / p->second) + 1e-12f);
+}
+
+/* Adds up a number's gradients in the buffers, and clears them. */
+static float take_sum(float *const buffers[BUFFERS], size_t i)
+{
+    float sum = 0;
+    for (int b = 0; b < BUFFERS; ++b) {
+        sum += buffers[b][i];
+        buffers[b][i] = 0;
     }
+    return sum;
+}
+
+static void move_voxel(const training *t, size_t voxel, const pace *p)
+{
+    float *x = t->field + 4 * voxel, *octaves = t->octaves + voxel;
+    for (size_t k = 0; k < 4; ++k)
+        x[k] -= way_of(p, t->moments + 8 * voxel + 2 * k, take_sum(t->gradients, 4 * voxel + k),
+                       k == 0 ? SCALAR_RATE * t->range : DIRECTION_RATE);
     x[0] = fminf(fmaxf(x[0], t->lo), t->hi);
     const float length = sqrtf(x[1] * x[1] + x[2] * x[2] + x[3] * x[3]);
     for (int k = 1; k < 4 && length > 1; ++k)
         x[k] /= length;
+    *octaves -= way_of(p, t->octave_moments + 2 * voxel, take_sum(t->octave_gradients, voxel), OCTAVE_RATE);
+    *octaves = fminf(fmaxf(*octaves, (float)iso_extinction_scale_log2(0)),
+                     (float)iso_extinction_scale_log2(ISO_EXTINCTION_SCALE_LAST));
+}
+
+/* Moves the transfer function: colors, and the logarithm of the extinction. An entry that shows nothing stays so. */
+static void move_tf(const training *t, const pace *p)
+{
+    for (size_t i = 0; i < 4 * t->tf.count; ++i) {
+        float *x = &t->tf.entries[i];
+        double sum = 0;
+        for (int b = 0; b < BUFFERS; ++b) {
+            sum += t->tf_gradients[b][i];
+            t->tf_gradients[b][i] = 0;
+        }
+        if (i % 4 == 3)
+            *x = fminf(*x * expf(-way_of(p, t->tf_moments + 2 * i, (float)sum * *x, EXTINCTION_RATE)),
+                       (float)ISO_TF_MOST_EXTINCTION);
+        else
+            *x = fminf(fmaxf(*x - way_of(p, t->tf_moments + 2 * i, (float)sum, COLOR_RATE), 0), 1);
+    }
 }
 
 /* Draws the step's patches, each buffer's one after the other, and moves the field. The order of sums does not depend
  * on threads. Returns the mean loss. */
 static iso_status step(training *t, size_t number, double *loss, iso_error *err)
 {
-    const float rate = powf(LAST_RATE, (float)number / (float)t->steps);
-    const float first_part = 1 - powf(0.9f, (float)number + 1), second_part = 1 - powf(0.99f, (float)number + 1);
+    const pace p = {(float)t->opt->rate * powf(LAST_RATE, (float)number / (float)t->steps), 1 - powf(0.9f, (float)number + 1),
+                    1 - powf(0.99f, (float)number + 1)};
     const int threads = iso_threads(t->opt->threads);
     iso_status results[BUFFERS] = {ISO_OK};
     iso_error errors[BUFFERS];
@@ -245,11 +247,12 @@ static iso_status step(training *t, size_t number, double *loss, iso_error *err)
 #pragma omp parallel for schedule(static, 1) num_threads(threads)
     for (int b = 0; b < BUFFERS; ++b)
         for (size_t i = (size_t)b; i < t->patches_per_step; i += BUFFERS)
-            TRY(results[b], learn_patch(t, &chosen[i], (uint32_t)(number * t->patches_per_step + i + 1),
-                                        t->gradients[b], &losses[b], &errors[b]));
+            TRY(results[b], learn_patch(t, &chosen[i], (uint32_t)(number * t->patches_per_step + i + 1), b, &losses[b],
+                                        &errors[b]));
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < t->voxels; ++i)
-        move_voxel(t, i, rate, first_part, second_part);
+        move_voxel(t, i, &p);
+    move_tf(t, &p);
     free(chosen);
     *loss = 0;
     for (int b = 0; b < BUFFERS; ++b) {
@@ -262,24 +265,41 @@ static iso_status step(training *t, size_t number, double *loss, iso_error *err)
 
 /* ---- all of it -------------------------------------------------------------------------------------------------- */
 
+static bool allocate(training *t)
+{
+    const size_t numbers = 4 * t->tf.count;
+    bool complete = (t->field = malloc(4 * t->voxels * sizeof(float))) != NULL;
+    complete = (t->octaves = calloc(t->voxels, sizeof(float))) && complete;
+    complete = (t->moments = calloc(8 * t->voxels, sizeof(float))) && complete;
+    complete = (t->octave_moments = calloc(2 * t->voxels, sizeof(float))) && complete;
+    complete = (t->tf_moments = calloc(2 * numbers, sizeof(float))) && complete;
+    for (int b = 0; b < BUFFERS; ++b) {
+        complete = (t->gradients[b] = calloc(4 * t->voxels, sizeof(float))) && complete;
+        complete = (t->octave_gradients[b] = calloc(t->voxels, sizeof(float))) && complete;
+        complete = (t->tf_gradients[b] = calloc(numbers, sizeof(double))) && complete;
+    }
+    return complete;
+}
+
 static iso_status begin(training *t, iso_error *err)
 {
-    const iso_level *level = t->level, *level0 = &t->p->levels[0];
+    const iso_level *level = t->start->level, *level0 = &t->p->levels[0];
     t->voxels = iso_geometry_voxel_count(&level->geometry);
     t->range = (float)(level0->max - level0->min);
     t->lo = (float)level0->min - 0.5f * t->range;
     t->hi = (float)level0->max + 0.5f * t->range;
-    t->field = malloc(4 * t->voxels * sizeof(float));
-    t->moments = calloc(8 * t->voxels, sizeof(float));
+    const iso_status status = iso_tf_table_copy(t->start->tf, &t->tf, err);
+    t->tf.point_count = 0; /* its entries become its own */
+    if (status != ISO_OK)
+        return status;
     float *directions = malloc(3 * t->voxels * sizeof *directions);
-    bool complete = t->field && t->moments && directions;
-    for (int b = 0; b < BUFFERS; ++b)
-        complete = (t->gradients[b] = calloc(4 * t->voxels, sizeof(float))) && complete;
+    const bool complete = allocate(t) && directions;
     if (complete) {
         iso_code_decode_all(t->p->options.code, level->codes, directions, t->voxels);
         for (size_t i = 0; i < t->voxels; ++i) {
             t->field[4 * i] = level->scalar[i];
             memcpy(t->field + 4 * i + 1, directions + 3 * i, 3 * sizeof(float));
+            t->octaves[i] = t->start->scale ? (float)iso_extinction_scale_log2(t->start->scale[i]) : 0;
         }
     }
     free(directions);
@@ -292,18 +312,25 @@ static void end(training *t)
         iso_view_destroy(&t->pictures[i].view);
         free(t->pictures[i].rgba);
     }
-    for (int b = 0; b < BUFFERS; ++b)
+    for (int b = 0; b < BUFFERS; ++b) {
         free(t->gradients[b]);
+        free(t->octave_gradients[b]);
+        free(t->tf_gradients[b]);
+    }
     free(t->patches);
     free(t->field);
+    free(t->octaves);
     free(t->moments);
+    free(t->octave_moments);
+    free(t->tf_moments);
+    iso_tf_table_destroy(&t->tf);
 }
 
 /* Takes as many patches per step as the level's voxels need: a ray has about 1.3 samples per voxel of the level's
  * longest edge. */
 static void plan_steps(training *t)
 {
-    const iso_geometry *g = &t->level->geometry;
+    const iso_geometry *g = t->geometry;
     const double most = fmax((double)g->size[0], fmax((double)g->size[1], (double)g->size[2]));
     const double wanted = (double)efforts[t->opt->effort].samples * (double)t->voxels;
     t->steps = efforts[t->opt->effort].steps;
@@ -333,36 +360,54 @@ static iso_status learn(training *t, iso_optimized *out, const iso_progress *pro
 }
 
 /* Copies the field, in the form in which it is stored. */
-static iso_status quantize(const training *t, iso_optimized *out, iso_error *err)
+static iso_status quantize(training *t, iso_optimized *out, iso_error *err)
 {
     out->scalar = malloc(t->voxels * sizeof *out->scalar);
     out->directions = malloc(3 * t->voxels * sizeof *out->directions);
     out->codes = malloc(3 * t->voxels);
-    if (!out->scalar || !out->directions || !out->codes)
+    out->scale = malloc(t->voxels);
+    if (!out->scalar || !out->directions || !out->codes || !out->scale)
         return iso_fail(err, ISO_E_MEMORY, "optimize: no memory for %zu voxels", t->voxels);
     for (size_t i = 0; i < t->voxels; ++i) {
         out->scalar[i] = t->field[4 * i];
         memcpy(out->directions + 3 * i, t->field + 4 * i + 1, 3 * sizeof(float));
+        out->scale[i] = iso_extinction_scale_byte((double)t->octaves[i]);
     }
     iso_code_encode(t->p->options.code, out->directions, out->codes, t->voxels);
+    out->tf = t->tf;
+    t->tf = (iso_tf_table){0};
     return ISO_OK;
 }
 
-iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scene *scene,
+static iso_status check(const iso_pyramid *p, iso_error *err)
+{
+    if (p->levels[0].geometry.has_no_data)
+        return iso_fail(err, ISO_E_RANGE, "optimize: the volume has voxels without data");
+    return iso_code_describe(p->options.code)->is_linear
+               ? ISO_OK
+               : iso_fail(err, ISO_E_RANGE, "optimize: the code %s is not linear; build with --code fit",
+                          iso_code_describe(p->options.code)->name);
+}
+
+iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scene *scene, const iso_shown_level *start,
                               const iso_optimize_options *opt, iso_optimized *out, const iso_progress *progress,
                               iso_error *err)
 {
     const double began = iso_clock_seconds();
     *out = (iso_optimized){0};
-    if (!iso_code_describe(p->options.code)->is_linear)
-        return iso_fail(err, ISO_E_RANGE, "optimize: the code %s is not linear; build with --code fit",
-                        iso_code_describe(p->options.code)->name);
+    iso_status status = check(p, err);
+    if (status != ISO_OK)
+        return status;
     training *t = calloc(1, sizeof *t);
     if (!t)
         return iso_fail(err, ISO_E_MEMORY, "optimize: out of memory");
-    *t = (training){.p = p, .opt = opt, .level = &p->levels[level], .random = {.state = opt->seed}};
+    *t = (training){.p = p,
+                    .opt = opt,
+                    .start = start,
+                    .geometry = &p->levels[level].geometry,
+                    .random = {.state = opt->seed}};
     t->view_count = efforts[opt->effort].views;
-    iso_status status = begin(t, err);
+    status = begin(t, err);
     for (size_t i = 0; i < t->view_count; ++i)
         TRY(status, draw_truth(t, scene, i, err));
     TRY(status, list_patches(t, err));
@@ -385,6 +430,8 @@ void iso_optimized_destroy(iso_optimized *o)
     free(o->scalar);
     free(o->directions);
     free(o->codes);
+    free(o->scale);
+    iso_tf_table_destroy(&o->tf);
     *o = (iso_optimized){0};
 }
 
@@ -393,5 +440,5 @@ size_t iso_optimize_bytes(const size_t n[3], iso_effort effort)
     if (effort == ISO_EFFORT_NONE)
         return 0;
     const size_t coarse = ((n[0] + 1) / 2) * ((n[1] + 1) / 2) * ((n[2] + 1) / 2), side = 448;
-    return coarse * sizeof(float) * (4 + 8 + 4 * BUFFERS + 7) + efforts[effort].views * side * side * 8;
+    return coarse * sizeof(float) * (5 + 10 + 5 * BUFFERS + 8) + efforts[effort].views * side * side * 8;
 }

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* optimize.h - a coarse level whose pictures are nearest to those of level 0 for one scene: its scalars and directions,
- * found by gradient descent through a renderer (render/cpu/adjoint.h).
+/* optimize.h - a coarse level whose pictures are nearest to those of level 0 for one scene: its scalars, directions and
+ * extinction scale, and its transfer function, found by gradient descent through a renderer (render/cpu/adjoint.h).
  *
- *     truth    pictures of level 0 from random directions. Most have a light from a random direction, half of them a
- *              shifted transfer function of another opacity, so that the level stands other lights and small edits.
+ *     truth    pictures of level 0 from random directions. Most have a light from a random direction, a quarter of them
+ *              a shifted transfer function of another opacity, so that the level stands other lights and small edits.
  *     step     patches of these pictures, drawn from the level with its own ray step; loss sqrt(d^2 + .01^2) - .01 of
  *              sRGB and alpha; Adam [kingma-2015] with a falling rate
- *     limits   directions of at most 1; scalars at most half a range beyond level 0's
+ *     limits   directions of at most 1; scalars at most half a range beyond level 0's; the extinction scale's bytes
  *
  * The level keeps its size, types and format, so that all renderers and exporters take it. It is made for one transfer
- * function: under an entirely other one it can be worse than a plain level. It is not adapted and not scaled again.
+ * function of level 0, and shown under its own one (tf/level_look.h). Under an entirely other one it can be worse than
+ * a plain level.
  *
  * In: a pyramid in memory. Out: arrays of the level, quantized as they are stored. The same seed gives the same bytes
  * for any number of threads, but not on machines with other instruction sets. Cost: doc/results/scene-levels.md. */
@@ -19,7 +20,7 @@
 #include <signal.h>
 
 #include "base/progress.h"
-#include "pyramid/pyramid.h"
+#include "plan/level_gate.h"
 #include "scene/scene.h"
 
 /* Amount of work: none keeps levels that can be made again from level 0. */
@@ -35,30 +36,27 @@ extern const iso_names iso_effort_names;
 typedef struct iso_optimize_options {
     iso_effort effort;
     uint64_t seed;
+    double rate; /* part of the steps' length, at most 1: short steps learn less noise */
     int threads;
     const volatile sig_atomic_t *stop; /* not 0: ends after the current step with the level so far; or NULL */
 } iso_optimize_options;
 
 typedef struct iso_optimized {
     float *scalar, *directions; /* owned; directions: 3 per voxel, before encoding */
-    uint8_t *codes;             /* owned */
+    uint8_t *codes, *scale;     /* owned; scale: of the extinction */
+    iso_tf_table tf;            /* owned */
     size_t views, pixels;       /* of training: number, and their side */
     size_t steps;               /* done */
     double error_first, error;  /* mean loss of the first and the last twentieth of the steps */
     double seconds_truth, seconds;
 } iso_optimized;
 
-/* Makes a level from the one that p has. level: at least 1. ISO_E_RANGE: nothing of the volume is visible; a direction
- * code that is not linear; ISO_E_MEMORY. */
-iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scene *scene,
+/* Makes a level from `start`, which has the size of the pyramid's. level: at least 1. ISO_E_RANGE: nothing of the volume
+ * is visible; voxels without data; a direction code that is not linear. ISO_E_MEMORY. */
+iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scene *scene, const iso_shown_level *start,
                               const iso_optimize_options *opt, iso_optimized *out, const iso_progress *progress,
                               iso_error *err);
 void iso_optimized_destroy(iso_optimized *o);
-
-/* Fills views for judging a level with a picture's side: like those of training, of other directions, half of them with
- * the scene's own lights, all with its own transfer function. */
-iso_status iso_optimize_views(const iso_pyramid *p, const iso_scene *scene, uint64_t seed, size_t count,
-                              iso_view *views, iso_error *err);
 
 /* Returns the bytes of buffers for level 1. */
 size_t iso_optimize_bytes(const size_t level0_size[3], iso_effort effort);

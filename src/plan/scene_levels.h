@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* scene_levels.h - the scalars of coarse levels that show one scene best.
+/* scene_levels.h - coarse levels that show one scene best.
  *
- * Each coarse level has candidates (fit/level_scalar.h): the pyramid's filter, least squares, and from level
- * ISO_SCENE_FITTED_FROM on the scalar that is fitted to the scene's transfer function. A last candidate is optimized
- * from the best of them (optimize.h), and has to pass level_gate.h, too. They are judged by small
- * pictures with the scene's lights, shading, clip planes and ray step, along the twelve lines of small_views.h,
- * rendered by the reference's midpoint sums. Each candidate is shown under the transfer function of --adapt (adapt.h).
- * The candidate whose pictures are nearest to those of level 0 is taken.
+ * Each coarse level has candidates (iso_level_ways): scalars (fit/level_scalar.h) under the transfer function of --adapt
+ * (tf/adapt.h), or always adapted and with an extinction scale (fit/extinction_scale.h). Pictures with the scene's
+ * shading, clip planes and ray step decide (level_gate.h): the nearest one is taken. From there a last candidate is
+ * optimized (optimize.h).
  *
  * Neither the error at the voxels nor pictures without light are enough to choose by. For a shell in steep gradients,
  * the fit reduces the error at the voxels to a quarter. Its pictures, in steps as long as a level's, nevertheless have
  * 1.5 times the error.
  *
- * The choice and its figures are written to p->made_for (doc/reference/files-pyramid.md). */
+ * The choice, its transfer function and its figures are written to p->made_for (doc/reference/files-pyramid.md). */
 #ifndef ISO_SCENE_LEVELS_H
 #define ISO_SCENE_LEVELS_H
 
@@ -20,46 +18,48 @@
 #include "plan/level_gate.h"
 #include "plan/optimize.h"
 #include "scene/scene.h"
-#include "tf/small_views.h"
 
-enum { ISO_SCENE_LEVELS_PIXELS = 64, ISO_SCENE_FITTED_FROM = 2 };
+enum { ISO_SCENE_FITTED_FROM = 2 }; /* level */
 
-/* How far the pictures of a candidate are from level 0's. */
+/* Ways to make and show a level. A scaled one is always adapted, as by --adapt --extinction-scale. */
+typedef struct iso_level_way {
+    iso_level_scalar scalar;
+    bool scaled;
+} iso_level_way;
+enum { ISO_LEVEL_WAY_BUILT, ISO_LEVEL_WAY_OPTIMIZED = 7, ISO_LEVEL_WAY_COUNT };
+extern const iso_level_way iso_level_ways[ISO_LEVEL_WAY_COUNT];
+
+/* How near a way is to level 0. */
 typedef struct iso_level_candidate {
     bool tried;
-    bool adapted;                          /* its transfer function */
-    double of_view[ISO_SMALL_VIEWS_COUNT]; /* 1 - SSIM over the visible part */
-    double ssim_dissimilarity, rmse;       /* means */
+    bool adapted; /* its transfer function */
+    iso_level_seen seen;
 } iso_level_candidate;
 
 typedef struct iso_scene_level {
-    iso_level_scalar chosen;
-    iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT];
+    int chosen; /* of iso_level_ways */
+    iso_level_candidate candidates[ISO_LEVEL_WAY_COUNT];
     iso_fit_report fit;
     struct iso_scene_level_optimized {
         bool tried;
         size_t views, pixels, steps;
-        double error_first, error;
-        iso_level_gate gate;
+        double rate, error_first, error;
     } optimized;
     double seconds; /* with looking */
 } iso_scene_level;
 
-/* A candidate replaces one before it in the enum under three conditions: its 1 - SSIM is less by this part of it, its
- * RMSE is not more by ISO_SCENE_RMSE_LOSS, and no view is farther by ISO_ADAPT_WORST_VIEW. Smaller differences are not
- * significant. */
-#define ISO_SCENE_LEVELS_GAIN 0.02
-#define ISO_SCENE_RMSE_LOSS 0.15
-iso_level_scalar iso_scene_level_choose(const iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT]);
+/* Returns the nearest of the ways that are better than the level as built (level_gate.h), which comes first. An optimized
+ * level has to be nearer than the best of the others. */
+int iso_scene_level_choose(const iso_level_candidate candidates[ISO_LEVEL_WAY_COUNT]);
 
-/* Renders `level` with the scalars of each candidate (NULL: skipped) and fills the candidate's other fields. */
+/* Shows `level` with the scalars of each kind (NULL: skipped) in all ways but the last, and fills the candidates. */
 iso_status iso_scene_level_judge(const iso_pyramid *p, size_t level, const iso_scene *scene,
                                  float *const scalars[ISO_LEVEL_SCALAR_COUNT], int threads,
-                                 iso_level_candidate candidates[ISO_LEVEL_SCALAR_COUNT], iso_error *err);
+                                 iso_level_candidate candidates[ISO_LEVEL_WAY_COUNT], iso_error *err);
 
-/* Replaces the scalars of levels first to p->level_count - 1 by those chosen, with their ranges, and sets p->made_for.
- * Optimized levels have other directions, too. optimize: NULL: no such candidate; level k takes its seed + k. levels:
- * as many as p has, or NULL. ISO_E_RANGE: the transfer function shows nothing that a fit could improve.
+/* Replaces levels first to p->level_count - 1 by those chosen, with their ranges and extinction scales, and sets
+ * p->made_for. Optimized levels have other directions, too. optimize: NULL: no such candidate; its rate is not read; level
+ * k takes its seed + k. levels: as many as p has, or NULL. ISO_E_RANGE: the transfer function shows nothing that a fit could improve.
  * ISO_E_MEMORY. */
 iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scene,
                                  const iso_optimize_options *optimize, int threads, iso_scene_level *levels,

@@ -324,6 +324,7 @@ void iso_pyramid_destroy(iso_pyramid *p)
         free(p->levels[k].codes);
         free(p->levels[k].directions);
         free(p->levels[k].magnitude);
+        free(p->levels[k].scale);
     }
     free(p->levels);
     if (p->volume)

@@ -6,6 +6,7 @@
  *              level_K_dir.nrrd    3 bytes per voxel, the encoded directions
  *              level_K_grad.nrrd   3 floats per voxel (keep_float)
  *              level_K_mag.nrrd    1 float per voxel, gradient magnitude per mm (keep_magnitude)
+ *              level_K_scale.nrrd  1 byte per voxel, extinction scale (of some levels for a scene)
  *
  * Level 0's scalar keeps the type of the input if that has 8 or 16 bits or is float; coarser levels are float. Voxel i
  * of level k covers the fine voxels [i 2^k, (i+1) 2^k); if a size is odd, the last plane of each level is repeated. A
@@ -117,13 +118,14 @@ typedef struct iso_level {
     uint8_t *codes;            /* 3 bytes per voxel; NULL in an outline, and if they are made from `samples` */
     float *directions;         /* 3 floats per voxel before encoding, or NULL */
     float *magnitude;          /* 1 float per voxel, or NULL */
+    uint8_t *scale;            /* of the extinction (fit/extinction_scale.h), 1 byte per voxel, of a level that was made
+                                * for a scene; or NULL */
     double min, max;           /* of the scalar */
     bool labels;               /* looked up without interpolation: the value of the voxel that holds a point */
     const json_t *segments;    /* borrowed: the pyramid's */
     bool made_for_scene;       /* True if the scalar is not from the pyramid's filter; iso_pyramid.made_for describes
                                 * it */
-    bool is_optimized;         /* True if the directions are not either: found for one scene (plan/optimize.h). It is
-                                * shown as it is, neither adapted nor scaled */
+    bool is_optimized;         /* True if the directions are not either: found for one scene (plan/optimize.h) */
     /* For renders from a palette: borrowed, neither stored nor freed here; NULL, or one index per voxel. */
     const iso_palette *palette;
     const uint16_t *palette_index;

@@ -44,7 +44,7 @@ enum { CHUNK = 1 << 16 }; /* values converted at a time */
 /* Writes header and samples, and sets f->bytes and f->hash. data: floats, or bytes if f is of codes. */
 static bool write_samples(FILE *file, const char *header, level_file *f, const void *data, size_t count)
 {
-    const bool plain = f->type == ISO_F32 || f->components == 3;
+    const bool plain = f->type == ISO_F32 || f->is_bytes;
     const size_t width = iso_type_bytes(f->type);
     XXH3_state_t *state = XXH3_createState();
     char *chunk = malloc(CHUNK * sizeof(float));
@@ -90,9 +90,10 @@ static iso_status save_into(const iso_pyramid *p, const char *dir, iso_error *er
     json_t *levels = json_array();
     for (size_t k = 0; k < p->level_count && status == ISO_OK; ++k) {
         const iso_level *l = &p->levels[k];
-        const void *data[FILE_COUNT] = {l->scalar, l->codes, l->directions, l->magnitude};
+        const void *data[FILE_COUNT] = {l->scalar, l->codes, l->directions, l->magnitude, l->scale};
         level_file files[FILE_COUNT];
         iso_layout_files(&p->options, l->stored_type, files);
+        files[FILE_SCALE].stored = l->scale != NULL;
         for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
             if (files[i].stored)
                 status = save_file(dir, &l->geometry, k, &files[i], data[i], err);
@@ -229,7 +230,8 @@ typedef enum load_what { LOAD_OUTLINE, LOAD_SCALARS, LOAD_ALL } load_what;
 
 static bool is_wanted(load_what what, int file)
 {
-    return what == LOAD_ALL || (what == LOAD_SCALARS && file == FILE_SCALAR);
+    /* A view of the level needs the scale, whichever way it gets the samples. */
+    return what == LOAD_ALL || file == FILE_SCALE || (what == LOAD_SCALARS && file == FILE_SCALAR);
 }
 
 static iso_status load_level(iso_json_reader *r, const char *dir, load_what what, const json_t *entry,
@@ -254,6 +256,7 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
     void *data[FILE_COUNT] = {NULL};
     iso_status status = ISO_OK;
     iso_layout_files(opt, l->stored_type, files);
+    files[FILE_SCALE].stored = json_object_get(list, files[FILE_SCALE].key) != NULL;
     for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
         if (files[i].stored)
             status = load_file(dir, &l->geometry, &files[i], r, list, is_wanted(what, i) ? &data[i] : NULL, err);
@@ -262,6 +265,7 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
     l->codes = data[FILE_CODES];
     l->directions = data[FILE_DIRECTIONS];
     l->magnitude = data[FILE_MAGNITUDE];
+    l->scale = data[FILE_SCALE];
     return status;
 }
 

@@ -16,12 +16,13 @@ typedef struct level_file {
     const char *key, *suffix;
     size_t components;
     iso_type type;
-    bool stored; /* by the options */
+    bool stored;   /* by the options; FILE_SCALE by the level */
+    bool is_bytes; /* in memory, too */
     size_t bytes;
     XXH64_hash_t hash; /* XXH3 of the whole file */
 } level_file;
 
-enum { FILE_SCALAR, FILE_CODES, FILE_DIRECTIONS, FILE_MAGNITUDE, FILE_COUNT };
+enum { FILE_SCALAR, FILE_CODES, FILE_DIRECTIONS, FILE_MAGNITUDE, FILE_SCALE, FILE_COUNT };
 
 void iso_layout_files(const iso_pyramid_options *opt, iso_type scalar_type, level_file files[FILE_COUNT]);
 /* Writes a name such as "level_K_dir.nrrd". */

@@ -23,11 +23,6 @@ typedef struct reading {
     bool has_header; /* the one that is wanted */
 } reading;
 
-static bool keeps_bytes(const level_file *f)
-{
-    return strcmp(f->key, "codes") == 0;
-}
-
 static iso_status read_bytes(const reading *r, char *to, size_t bytes, iso_error *err)
 {
     for (size_t done = 0; done < bytes;) {
@@ -58,7 +53,7 @@ static iso_status read_header(reading *r, iso_error *err)
 static iso_status read_samples(const reading *r, size_t count, void *samples, iso_error *err)
 {
     const size_t width = iso_type_bytes(r->file->type), most = PIECE_BYTES / width;
-    const bool keeps = keeps_bytes(r->file);
+    const bool keeps = r->file->is_bytes;
     iso_status status = ISO_OK;
     for (size_t at = 0; at < count && status == ISO_OK; at += most) {
         const size_t n = count - at < most ? count - at : most;
@@ -110,7 +105,7 @@ iso_status iso_layout_read(const char *path, const char *header, const level_fil
         r.piece = malloc(PIECE_BYTES);
         /* Not by large.h: a virtual machine that tells its host of each free huge page has to get it back for every
          * file. */
-        *data = malloc(keeps_bytes(f) ? count : count * sizeof(float));
+        *data = malloc(f->is_bytes ? count : count * sizeof(float));
         if (r.hash && r.piece && *data) {
             XXH3_64bits_reset(r.hash);
             status = read_all(&r, digest, count, *data, err);

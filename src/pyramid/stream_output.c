@@ -201,6 +201,7 @@ static void list_pointers(const iso_cascade_out *out, char *data[FILE_COUNT])
     data[FILE_CODES] = (char *)out->codes;
     data[FILE_DIRECTIONS] = (char *)out->directions;
     data[FILE_MAGNITUDE] = (char *)out->magnitude;
+    data[FILE_SCALE] = NULL;
 }
 
 void iso_stream_output_copy_begun(stream_output *o)

@@ -126,8 +126,8 @@ bool iso_adapt_is_nearer(const iso_small_views_error *original, const iso_small_
 iso_status iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const iso_tf_table *adapted,
                            const iso_geometry *level0, iso_adapt_judgment *judgment, iso_error *err);
 
-/* Adapts `tf` to one level of a pyramid and judges the result. Level 0 and optimized levels get a copy of tf.
- * judgment may be NULL. */
+/* Adapts `tf` to one level of a pyramid and judges the result. A level that was made for tf gets its own table
+ * (level_look.h); level 0, and optimized levels of another tf, get a copy. judgment may be NULL. */
 iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_table *tf, const iso_adapt_options *opt,
                            iso_tf_table *table, iso_adapt_judgment *judgment, iso_error *err);
 

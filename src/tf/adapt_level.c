@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "tf/ghost.h"
+#include "tf/level_look.h"
 
 /* Premultiplied color and opacity over a length, and the square of their norm. */
 typedef struct seen {
@@ -136,12 +137,15 @@ iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_tabl
     iso_adapter *adapter = NULL;
     iso_adapt_judgment verdict = {.use_original = true};
     *table = (iso_tf_table){0};
-    if (level == 0 || (level < p->level_count && p->levels[level].is_optimized)) {
+    bool is_made_for = false;
+    iso_status status = iso_level_look(p, level, tf, table, &is_made_for, err);
+    if (status != ISO_OK || is_made_for || level == 0 || (level < p->level_count && p->levels[level].is_optimized)) {
+        verdict.use_original = !is_made_for || (iso_tf_table_equals(table, tf) && !p->levels[level].scale);
         if (judgment)
             *judgment = verdict;
-        return iso_tf_table_copy(tf, table, err);
+        return status != ISO_OK || is_made_for ? status : iso_tf_table_copy(tf, table, err);
     }
-    iso_status status = iso_joint_obtain(p, opt->folder, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},
+    status = iso_joint_obtain(p, opt->folder, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},
                                          opt->threads, &joint, err);
     TRY(status, iso_adapter_create(&joint, opt, &adapter, err));
     TRY(status, iso_adapter_apply(adapter, tf, level0, level, table, err));

@@ -289,6 +289,12 @@ iso_status iso_tf_table_copy(const iso_tf_table *from, iso_tf_table *to, iso_err
     return ISO_OK;
 }
 
+bool iso_tf_table_equals(const iso_tf_table *a, const iso_tf_table *b)
+{
+    return a->count == b->count && a->lo == b->lo && a->hi == b->hi &&
+           memcmp(a->entries, b->entries, 4 * a->count * sizeof *a->entries) == 0;
+}
+
 void iso_tf_table_destroy(iso_tf_table *table)
 {
     if (!table)

@@ -107,6 +107,8 @@ iso_status iso_tf_table_end_below(iso_tf_table *table, double value_min, iso_err
 /* Copies a table. ISO_E_MEMORY. */
 iso_status iso_tf_table_copy(const iso_tf_table *from, iso_tf_table *to, iso_error *err);
 void iso_tf_table_destroy(iso_tf_table *table);
+/* True if range and entries are the same bits. */
+bool iso_tf_table_equals(const iso_tf_table *a, const iso_tf_table *b);
 
 /* Looks up r, g, b, extinction linearly in double precision. */
 static inline void iso_tf_lookup(const iso_tf_table *t, double value, double rgbs[4])

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 #include "fit/extinction_scale.h"
+#include "tf/level_look.h"
 #include "validate/validate.h"
 
 iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
@@ -27,6 +28,7 @@ iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
     for (size_t level = 0; level < v->pyramid->level_count && status == ISO_OK; ++level) {
         iso_level_tf *own = &v->level_tfs[level];
         status = iso_adapt_level(v->pyramid, level, &v->view->tf, &opt, &own->table, &own->judgment, err);
+        own->own_scale = iso_level_own_scale(v->pyramid, level, &v->view->tf);
     }
     iso_small_views_fine_destroy(&level_0);
     return status;
@@ -129,8 +131,11 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
     if (!covered)
         status = compare(v, p, m, level, &view, &original_tf, err);
     view.tf = v->level_tfs[level].table;
+    if (p == v->pyramid)
+        view.extinction_scale = (uint8_t *)(uintptr_t)v->level_tfs[level].own_scale; /* borrowed, as the table */
     if (status == ISO_OK && !v->level_tfs[level].judgment.use_original)
         status = compare(v, p, m, level, &view, &adapted_tf, err);
+    view.extinction_scale = NULL;
     if (status == ISO_OK && covered && level > 0)
         status = compare_scaled(v, p, m, level, &view, err);
     const bool has_2d = covered && level > 0 && !p->levels[0].labels; /* labels have no second value */

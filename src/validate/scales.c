@@ -66,7 +66,8 @@ static iso_status has_effect(iso_validation *v, size_t level, size_t i, bool *ef
 
 iso_status iso_validate_judge_scale(iso_validation *v, const iso_pyramid *rebuilt, iso_report_level *row, iso_error *err)
 {
-    if (v->scales == ISO_SCALES_NONE)
+    const iso_level *level = &v->pyramid->levels[row->level];
+    if (v->scales == ISO_SCALES_NONE || level->scale || level->is_optimized) /* not made from level 0 alone */
         return ISO_OK;
     row->scale.judged = true;
     iso_status status = compare_with_made(v, rebuilt, row, err);

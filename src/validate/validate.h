@@ -20,7 +20,7 @@
 #include "report/report.h"
 #include "tf/adapt.h"
 
-/* The adapted TF of a level. Pyramids that differ only in their directions share it. */
+/* The adapted TF of a level, or its own (tf/level_look.h). Pyramids that differ only in their directions share it. */
 typedef struct iso_level_tf {
     iso_tf_table table;          /* adapted to the level, or a copy of the original */
     iso_adapt_judgment judgment; /* use_original: the original is kept, as always at level 0 */
@@ -28,6 +28,7 @@ typedef struct iso_level_tf {
      * for. */
     uint8_t *extinction_scale;
     iso_tf_table scaled_table;
+    const uint8_t *own_scale; /* borrowed; goes with `table`, of a level that was made for the view's TF; or NULL */
 } iso_level_tf;
 
 /* Additional ways to show levels, besides their own transfer function. */

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/* level_look.h - the transfer functions of levels that were made for a scene (plan/scene_levels.h): that of the scene,
+ * and the level's own, which shows it. Both stand in iso_pyramid.made_for (doc/reference/files-pyramid.md). A level may
+ * have an extinction scale, too, iso_level.scale.
+ *
+ * Under the scene's transfer function a level is shown so by all commands, without --adapt. Under another one it is
+ * shown as any level; an optimized one as it is. */
+#ifndef ISO_TF_LEVEL_LOOK_H
+#define ISO_TF_LEVEL_LOOK_H
+
+#include "pyramid/pyramid.h"
+#include "tf/tf.h"
+
+/* Makes the table of the scene's transfer function. ISO_E_FORMAT, ISO_E_MEMORY. */
+iso_status iso_level_scene_tf(const iso_pyramid *p, iso_tf_table *tf, iso_error *err);
+
+/* Copies the level's own table, or tf if it has none. *found (may be NULL): False, with no table, if the level was not
+ * made for tf, level 0's. ISO_E_FORMAT: what pyramid.json says is no transfer function; ISO_E_MEMORY. */
+iso_status iso_level_look(const iso_pyramid *p, size_t level, const iso_tf_table *tf, iso_tf_table *own, bool *found,
+                          iso_error *err);
+
+/* Returns the level's extinction scale, borrowed; NULL if it has none or was not made for tf. */
+const uint8_t *iso_level_own_scale(const iso_pyramid *p, size_t level, const iso_tf_table *tf);
+
+/* Returns a new object for a level of made_for. */
+json_t *iso_level_look_to_json(const iso_tf_table *own);
+
+#endif
