@@ -423,10 +423,10 @@ const iso_command iso_command_build = {
         "Under mpirun (Open MPI), such as mpirun -n 4 isoshade build big.nrrd, the ranks share the slabs and write the same\n"
         "files together; each rank takes --memory, and --resume works with any number of ranks.\n"
         "With --for each coarse level is the one that shows this scene most like level 0: as built, by least squares,\n"
-        "damped, fitted to the scene's transfer function, or optimized by rendering; adapted, or with an extinction scale.\n"
-        "Pictures of each decide, and commands show it so. Ctrl-C ends optimizing and keeps the best so far. Such levels\n"
-        "are made in memory, and suit other scenes less well (doc/method/scene-levels.md). Bricks (isoshade plan) do not\n"
-        "need them. --effort none keeps levels that info --verify can make again from level 0.\n"
+        "damped, fitted to the scene's transfer function, or optimized by rendering; adapted, or with an extinction\n"
+        "scale. Pictures of each decide, and commands show it so. Ctrl-C ends optimizing and keeps the best so far.\n"
+        "Such levels are made in memory, and suit other scenes less well (doc/method/scene-levels.md). Bricks\n"
+        "(isoshade plan) do not need them. --effort none keeps levels that info --verify can make again from level 0.\n"
         "With --auto scalars are damped and directions as with --direction-filter auto. Show such levels with --adapt\n"
         "--extinction-scale: over many volumes this is nearest to level 0, for one more byte per voxel (doc/results/auto.md).",
     .common =

@@ -203,8 +203,8 @@ static void note_levels(const iso_cli *cli, const char *path)
         return;
     iso_progress_line_hide(cli->progress);
     fprintf(stderr,
-            "isoshade view: note: %s: levels that were made for a scene are shown under its transfer function, not under "
-            "their own\n",
+            "isoshade view: note: %s: levels that were made for a scene are shown under its transfer function, "
+            "not under their own\n",
             path);
 }
 

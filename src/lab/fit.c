@@ -35,8 +35,8 @@ static iso_status measure(fit_bench *b, fit_case *c, iso_error *err)
     double times[4] = {iso_cpu_seconds()};
     iso_status status = iso_level_scalars_make(&in, c->scalars[ISO_LEVEL_LEAST_SQUARES], NULL, NULL, err);
     times[1] = iso_cpu_seconds();
-    TRY(status, iso_level_scalars_make(&in, c->scalars[ISO_LEVEL_LEAST_SQUARES], c->scalars[ISO_LEVEL_FITTED], &c->fit,
-                                       err));
+    TRY(status,
+        iso_level_scalars_make(&in, c->scalars[ISO_LEVEL_LEAST_SQUARES], c->scalars[ISO_LEVEL_FITTED], &c->fit, err));
     times[2] = iso_cpu_seconds();
     TRY(status,
         iso_scene_level_judge(c->pyramid, c->level, &c->scene, c->scalars, b->cli->threads, c->candidates, err));
@@ -73,7 +73,8 @@ static iso_status run_level(fit_bench *b, fit_case *c, iso_error *err)
     float **made[2] = {&c->scalars[ISO_LEVEL_LEAST_SQUARES], &c->scalars[ISO_LEVEL_FITTED]};
     for (int i = 0; i < 2; ++i)
         *made[i] = malloc(bytes);
-    iso_status status = *made[0] && *made[1] ? measure(b, c, err) : iso_fail(err, ISO_E_MEMORY, "no memory for a level");
+    iso_status status = *made[0] && *made[1] ? measure(b, c, err)
+                                             : iso_fail(err, ISO_E_MEMORY, "no memory for a level");
     if (status == ISO_OK)
         note(b, c);
     for (int i = 0; i < 2; ++i)

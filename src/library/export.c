@@ -18,8 +18,8 @@ static iso_status view_of_level(const iso_export_job *job, size_t level, iso_vie
 {
     const look *l = job->user;
     const iso_export_options *o = l->given;
-    return iso_library_view(&(iso_library_look){l->scene, o->tf, o->width, o->height, o->adapt}, job->pyramid, level, view,
-                            err);
+    const iso_library_look shown = {l->scene, o->tf, o->width, o->height, o->adapt};
+    return iso_library_view(&shown, job->pyramid, level, view, err);
 }
 
 static iso_status check_levels(const iso_pyramid *p, const iso_export_options *o, iso_error *err)

@@ -134,8 +134,8 @@ static void warn_of_other_tf(const iso_cli_adapted *a, const iso_pyramid *p, siz
         return;
     iso_progress_line_hide(a->cli->progress);
     fprintf(stderr,
-            "isoshade %s: warning: level %zu was made for the transfer function of %s and looks less like level 0 under "
-            "another one; build without --for, or for this scene\n",
+            "isoshade %s: warning: level %zu was made for the transfer function of %s and looks less like level 0 "
+            "under another one; build without --for, or for this scene\n",
             a->cli->command->name, level, scene ? scene : "another scene");
 }
 

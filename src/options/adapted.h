@@ -43,11 +43,12 @@ void iso_cli_adapted_defaults(iso_cli_adapted *a);
 iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adapt_options *opt, iso_error *err);
 
 /* Applies the options to a view. A level that was made for the view's transfer function is shown as it was made
- * (scene/level_view.h), whatever the options say; one of another transfer function gets a warning. --adapt: replaces view->tf by the transfer function adapted to `level`. --tf-2d at a
- * coarse level: sets view->tf_2d, too, without the test whether adapting helps. --extinction-scale at a coarse level:
- * sets view->extinction_scale for the final transfer function, which is always adapted: small views ignore extinction
- * scales. Reports a ghost (tf/ghost.h) through a->cli. path: where p was loaded from; a pyramid on disk keeps its
- * histograms. */
+ * (scene/level_view.h), whatever the options say; one of another transfer function gets a warning.
+ *
+ * --adapt: replaces view->tf by the transfer function adapted to `level`. --tf-2d at a coarse level: sets view->tf_2d,
+ * too, without the test whether adapting helps. --extinction-scale at a coarse level: sets view->extinction_scale for
+ * the final transfer function, which is always adapted: small views ignore extinction scales. Reports a ghost
+ * (tf/ghost.h) through a->cli. path: where p was loaded from; a pyramid on disk keeps its histograms. */
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
                               iso_view *view, int threads, iso_error *err);
 

@@ -22,7 +22,7 @@ typedef struct iso_shown_level {
 } iso_shown_level;
 
 typedef struct iso_level_seen {
-    double of_view[ISO_LEVEL_GATE_VIEWS];                                    /* 1 - SSIM over the foreground */
+    double of_view[ISO_LEVEL_GATE_VIEWS];                                  /* 1 - SSIM over the foreground */
     double ssim_dissimilarity, rmse, small_ssim_dissimilarity, small_rmse; /* means; small: averaged down */
 } iso_level_seen;
 
@@ -43,8 +43,8 @@ void iso_level_gate_close(iso_level_gate *gate);
 iso_status iso_level_gate_look(iso_level_gate *gate, size_t level, const iso_shown_level *shown, iso_level_seen *seen,
                                iso_error *err);
 
-/* A built level is replaced if 1 - SSIM is less by this part of it, RMSE is not more by ISO_LEVEL_GATE_RMSE_LOSS, and no
- * view is farther by ISO_ADAPT_WORST_VIEW (tf/adapt.h). Smaller differences are not significant. */
+/* A built level is replaced if 1 - SSIM is less by this part of it, RMSE is not more by ISO_LEVEL_GATE_RMSE_LOSS, and
+ * no view is farther by ISO_ADAPT_WORST_VIEW (tf/adapt.h). Smaller differences are not significant. */
 #define ISO_LEVEL_GATE_GAIN 0.02
 #define ISO_LEVEL_GATE_RMSE_LOSS 0.15
 bool iso_level_gate_is_better(const iso_level_seen *built, const iso_level_seen *other);

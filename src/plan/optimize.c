@@ -19,8 +19,8 @@ enum { BUFFERS = 4, MOST_VIEWS = 128, TILE = ISO_ADJOINT_TILE, PIXELS = ISO_ADJO
 #define OCTAVE_RATE 0.03f
 #define COLOR_RATE 0.02f      /* of the transfer function */
 #define EXTINCTION_RATE 0.04f /* of its logarithm */
-#define LAST_RATE 0.05f /* of the first */
-#define SHIFT 0.08      /* of the transfer function, of level 0's range */
+#define LAST_RATE 0.05f       /* of the first */
+#define SHIFT 0.08            /* of the transfer function, of level 0's range */
 
 /* samples: rays' samples per coarse voxel */
 static const struct {
@@ -233,8 +233,8 @@ static void move_tf(const training *t, const pace *p)
  * on threads. Returns the mean loss. */
 static iso_status step(training *t, size_t number, double *loss, iso_error *err)
 {
-    const pace p = {(float)t->opt->rate * powf(LAST_RATE, (float)number / (float)t->steps), 1 - powf(0.9f, (float)number + 1),
-                    1 - powf(0.99f, (float)number + 1)};
+    const pace p = {(float)t->opt->rate * powf(LAST_RATE, (float)number / (float)t->steps),
+                    1 - powf(0.9f, (float)number + 1), 1 - powf(0.99f, (float)number + 1)};
     const int threads = iso_threads(t->opt->threads);
     iso_status results[BUFFERS] = {ISO_OK};
     iso_error errors[BUFFERS];
@@ -401,11 +401,8 @@ iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scen
     training *t = calloc(1, sizeof *t);
     if (!t)
         return iso_fail(err, ISO_E_MEMORY, "optimize: out of memory");
-    *t = (training){.p = p,
-                    .opt = opt,
-                    .start = start,
-                    .geometry = &p->levels[level].geometry,
-                    .random = {.state = opt->seed}};
+    *t = (training){
+        .p = p, .opt = opt, .start = start, .geometry = &p->levels[level].geometry, .random = {.state = opt->seed}};
     t->view_count = efforts[opt->effort].views;
     status = begin(t, err);
     for (size_t i = 0; i < t->view_count; ++i)

@@ -51,8 +51,8 @@ typedef struct iso_optimized {
     double seconds_truth, seconds;
 } iso_optimized;
 
-/* Makes a level from `start`, which has the size of the pyramid's. level: at least 1. ISO_E_RANGE: nothing of the volume
- * is visible; voxels without data; a direction code that is not linear. ISO_E_MEMORY. */
+/* Makes a level from `start`, which has the size of the pyramid's. level: at least 1. ISO_E_RANGE: nothing of the
+ * volume is visible; voxels without data; a direction code that is not linear. ISO_E_MEMORY. */
 iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scene *scene, const iso_shown_level *start,
                               const iso_optimize_options *opt, iso_optimized *out, const iso_progress *progress,
                               iso_error *err);

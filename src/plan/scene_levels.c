@@ -25,8 +25,7 @@ int iso_scene_level_choose(const iso_level_candidate c[WAYS])
         if (c[i].tried && iso_level_gate_is_better(&c[0].seen, &c[i].seen) &&
             c[i].seen.ssim_dissimilarity < c[best].seen.ssim_dissimilarity)
             best = i;
-    return c[ISO_LEVEL_WAY_OPTIMIZED].tried &&
-                   iso_level_gate_is_nearer(&c[best].seen, &c[ISO_LEVEL_WAY_OPTIMIZED].seen)
+    return c[ISO_LEVEL_WAY_OPTIMIZED].tried && iso_level_gate_is_nearer(&c[best].seen, &c[ISO_LEVEL_WAY_OPTIMIZED].seen)
                ? ISO_LEVEL_WAY_OPTIMIZED
                : best;
 }
@@ -95,8 +94,8 @@ static iso_status judge_all(iso_level_gate *gate, size_t level, float *const sca
             continue;
         status = make_look(gate, level, scalars[way->scalar], way->scaled, &l, err);
         candidates[i].adapted = l.adapted;
-        TRY(status, iso_level_gate_look(gate, level, &(iso_shown_level){&l.level, &l.tf, l.scale},
-                                        &candidates[i].seen, err));
+        TRY(status,
+            iso_level_gate_look(gate, level, &(iso_shown_level){&l.level, &l.tf, l.scale}, &candidates[i].seen, err));
         candidates[i].tried = status == ISO_OK;
         if (status == ISO_OK && iso_scene_level_choose(candidates) == i) {
             forget(best);
@@ -235,8 +234,8 @@ static iso_status optimize_level(iso_pyramid *p, size_t level, const iso_scene *
         status = iso_optimize_level(p, level, scene, &start, &own, &o, progress, err);
         if (status == ISO_E_RANGE) /* it shows nothing, or its code is not linear: the other candidates stay */
             return ISO_OK;
-        made->optimized =
-            (struct iso_scene_level_optimized){true, o.views, o.pixels, o.steps, rates[i], o.error_first, o.error};
+        made->optimized = (struct iso_scene_level_optimized){true,     o.views,       o.pixels, o.steps,
+                                                             rates[i], o.error_first, o.error};
         TRY(status, compare(p, level, gate, &o, made, best, err));
         iso_optimized_destroy(&o);
         if (made->chosen == ISO_LEVEL_WAY_OPTIMIZED || (opt->stop && *opt->stop))
@@ -251,12 +250,12 @@ static json_t *candidates_to_json(const iso_level_candidate candidates[WAYS])
     for (int i = 0; i < WAYS; ++i) {
         const iso_level_candidate *c = &candidates[i];
         if (c->tried)
-            json_array_append_new(
-                list, json_pack("{s:s, s:b, s:b, s:f, s:f, s:f, s:f}", "scalar",
-                                iso_level_scalar_name(iso_level_ways[i].scalar), "adapted_tf", c->adapted, "scaled",
-                                iso_level_ways[i].scaled, "ssim_dissimilarity", c->seen.ssim_dissimilarity, "rmse",
-                                c->seen.rmse, "minified_ssim_dissimilarity", c->seen.small_ssim_dissimilarity,
-                                "minified_rmse", c->seen.small_rmse));
+            json_array_append_new(list, json_pack("{s:s, s:b, s:b, s:f, s:f, s:f, s:f}", "scalar",
+                                                  iso_level_scalar_name(iso_level_ways[i].scalar), "adapted_tf",
+                                                  c->adapted, "scaled", iso_level_ways[i].scaled, "ssim_dissimilarity",
+                                                  c->seen.ssim_dissimilarity, "rmse", c->seen.rmse,
+                                                  "minified_ssim_dissimilarity", c->seen.small_ssim_dissimilarity,
+                                                  "minified_rmse", c->seen.small_rmse));
     }
     return list;
 }
@@ -273,8 +272,8 @@ static json_t *level_to_json(const iso_scene_level *made, size_t level, const lo
         json_object_set_new(o, "optimized",
                             json_pack("{s:I, s:I, s:I, s:I, s:f, s:f, s:f}", "seed", (json_int_t)seed, "views",
                                       (json_int_t)made->optimized.views, "pixels", (json_int_t)made->optimized.pixels,
-                                      "steps", (json_int_t)made->optimized.steps, "rate", made->optimized.rate, "error_first",
-                                      made->optimized.error_first, "error", made->optimized.error));
+                                      "steps", (json_int_t)made->optimized.steps, "rate", made->optimized.rate,
+                                      "error_first", made->optimized.error_first, "error", made->optimized.error));
     return o;
 }
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* scene_levels.h - coarse levels that show one scene best.
  *
- * Each coarse level has candidates (iso_level_ways): scalars (fit/level_scalar.h) under the transfer function of --adapt
- * (tf/adapt.h), or always adapted and with an extinction scale (fit/extinction_scale.h). Pictures with the scene's
- * shading, clip planes and ray step decide (level_gate.h): the nearest one is taken. From there a last candidate is
- * optimized (optimize.h).
+ * Each coarse level has candidates (iso_level_ways): scalars (fit/level_scalar.h) under the transfer function of
+ * --adapt (tf/adapt.h), or always adapted and with an extinction scale (fit/extinction_scale.h). Pictures with the
+ * scene's shading, clip planes and ray step decide (level_gate.h): the nearest one is taken. From there a last candidate
+ * is optimized (optimize.h).
  *
  * Neither the error at the voxels nor pictures without light are enough to choose by. For a shell in steep gradients,
  * the fit reduces the error at the voxels to a quarter. Its pictures, in steps as long as a level's, nevertheless have
@@ -48,8 +48,8 @@ typedef struct iso_scene_level {
     double seconds; /* with looking */
 } iso_scene_level;
 
-/* Returns the nearest of the ways that are better than the level as built (level_gate.h), which comes first. An optimized
- * level has to be nearer than the best of the others. */
+/* Returns the nearest of the ways that are better than the level as built (level_gate.h), which comes first. An
+ * optimized level has to be nearer than the best of the others. */
 int iso_scene_level_choose(const iso_level_candidate candidates[ISO_LEVEL_WAY_COUNT]);
 
 /* Shows `level` with the scalars of each kind (NULL: skipped) in all ways but the last, and fills the candidates. */
@@ -58,9 +58,9 @@ iso_status iso_scene_level_judge(const iso_pyramid *p, size_t level, const iso_s
                                  iso_level_candidate candidates[ISO_LEVEL_WAY_COUNT], iso_error *err);
 
 /* Replaces levels first to p->level_count - 1 by those chosen, with their ranges and extinction scales, and sets
- * p->made_for. Optimized levels have other directions, too. optimize: NULL: no such candidate; its rate is not read; level
- * k takes its seed + k. levels: as many as p has, or NULL. ISO_E_RANGE: the transfer function shows nothing that a fit could improve.
- * ISO_E_MEMORY. */
+ * p->made_for. Optimized levels have other directions, too. optimize: NULL: no such candidate; its rate is not read;
+ * level k takes its seed + k. levels: as many as p has, or NULL. ISO_E_RANGE: the transfer function shows nothing that
+ * a fit could improve. ISO_E_MEMORY. */
 iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scene,
                                  const iso_optimize_options *optimize, int threads, iso_scene_level *levels,
                                  const iso_progress *progress, iso_error *err);

@@ -18,7 +18,8 @@ void iso_layout_files(const iso_pyramid_options *opt, iso_type scalar_type, leve
     const iso_type codes = iso_code_describe(opt->code)->is_signed ? ISO_I8 : ISO_U8;
     files[FILE_SCALAR] =
         (level_file){.key = "scalar", .suffix = "", .components = 1, .type = scalar_type, .stored = true};
-    files[FILE_CODES] = (level_file){.key = "codes", .suffix = "_dir", .components = 3, .type = codes, .stored = true, .is_bytes = true};
+    files[FILE_CODES] = (level_file){
+        .key = "codes", .suffix = "_dir", .components = 3, .type = codes, .stored = true, .is_bytes = true};
     files[FILE_DIRECTIONS] = (level_file){
         .key = "directions", .suffix = "_grad", .components = 3, .type = ISO_F32, .stored = opt->keep_float};
     files[FILE_MAGNITUDE] = (level_file){

@@ -15,8 +15,7 @@ iso_status iso_level_scene_tf(const iso_pyramid *p, iso_tf_table *tf, iso_error 
     const json_t *object = iso_json_get_object(&r, p->made_for, "tf", true);
     iso_status status = r.status;
     TRY(status, iso_tf_from_json(object, where, &own, err));
-    TRY(status,
-        iso_tf_tabulate(&own, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, tf, err));
+    TRY(status, iso_tf_tabulate(&own, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, tf, err));
     iso_tf_destroy(&own);
     return status;
 }
@@ -26,9 +25,8 @@ static const json_t *find_entry(const iso_pyramid *p, size_t level)
 {
     const json_t *entry;
     size_t i;
-    json_array_foreach(json_object_get(p->made_for, "levels"), i, entry)
-        if ((size_t)json_integer_value(json_object_get(entry, "level")) == level)
-            return entry;
+    json_array_foreach(json_object_get(p->made_for, "levels"), i,
+                       entry) if ((size_t)json_integer_value(json_object_get(entry, "level")) == level) return entry;
     return NULL;
 }
 
@@ -39,10 +37,10 @@ static iso_status read_table(const json_t *object, iso_tf_table *tf, iso_error *
     iso_json_get_numbers(&r, object, "range", true, &(iso_json_list){range, 2, -1e300, 1e300});
     const json_t *entries = iso_json_get_array(&r, object, "entries", true);
     const size_t numbers = json_array_size(entries);
-    if (r.status == ISO_OK && !(range[0] < range[1] && numbers >= 8 && numbers % 4 == 0 &&
-                                numbers <= 4 * (size_t)ISO_TF_MOST_ENTRIES))
-        return iso_fail(err, ISO_E_FORMAT, "%s: a level's table has %zu numbers from %g to %g", where, numbers, range[0],
-                        range[1]);
+    if (r.status == ISO_OK &&
+        !(range[0] < range[1] && numbers >= 8 && numbers % 4 == 0 && numbers <= 4 * (size_t)ISO_TF_MOST_ENTRIES))
+        return iso_fail(err, ISO_E_FORMAT, "%s: a level's table has %zu numbers from %g to %g", where, numbers,
+                        range[0], range[1]);
     *tf = (iso_tf_table){.count = numbers / 4, .lo = range[0], .hi = range[1]};
     tf->entries = r.status == ISO_OK ? malloc(numbers * sizeof *tf->entries) : NULL;
     if (!tf->entries)

@@ -29,11 +29,6 @@ static const iso_vec3 directions[3][3] = {{{2, 2, -1}, {2, -1, 2}, {-1, 2, 2}},
                                           {{2, -1, 2}, {-1, 2, 2}, {2, 2, -1}},
                                           {{-1, 2, 2}, {2, 2, -1}, {2, -1, 2}}};
 
-iso_vec3 iso_small_views_direction(int view)
-{
-    return turn(directions[view % 3][0], view / 3);
-}
-
 static small_camera frame_box(const iso_geometry *g, int view)
 {
     const iso_vec3 center = iso_geometry_box_center_mm(g);

@@ -57,9 +57,6 @@ typedef struct iso_small_views_input {
     int threads;
 } iso_small_views_input;
 
-/* Returns the direction of view i, a unit vector in world space. */
-iso_vec3 iso_small_views_direction(int view);
-
 /* Compares; errors[i] belongs to tfs[i]. ISO_E_MEMORY. */
 iso_status iso_small_views_compare(const iso_small_views_input *in,
                                    iso_small_views_error errors[ISO_SMALL_VIEWS_MAX_TFS], iso_error *err);
