@@ -3,8 +3,8 @@
  *
  * Each coarse level has candidates (iso_level_ways): scalars (fit/level_scalar.h) under the transfer function of
  * --adapt (tf/adapt.h), or always adapted and with an extinction scale (fit/extinction_scale.h). Pictures with the
- * scene's shading, clip planes and ray step decide (level_gate.h): the nearest one is taken. From there a last candidate
- * is optimized (optimize.h).
+ * scene's shading, clip planes and ray step decide (level_gate.h): the nearest one is taken. From there a last
+ * candidate is optimized (optimize.h).
  *
  * Neither the error at the voxels nor pictures without light are enough to choose by. For a shell in steep gradients,
  * the fit reduces the error at the voxels to a quarter. Its pictures, in steps as long as a level's, nevertheless have
