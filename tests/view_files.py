@@ -135,9 +135,10 @@ def open_files(page, folder, program):
         page.evaluate("isoshade.frames.settled()")
         said = page.evaluate("document.querySelector('#message span').textContent")
         told = subprocess.run([program, "info", path, "--json"], capture_output=True, text=True, check=False)
-        if name in BAD:
-            if told.returncode == 0 or BAD[name][1] not in said:
-                yield f"{name}: the page says {said!r}, the program ended with {told.returncode}"
+        if name in BAD:  # info shows the first channel of colors; what draws them asks for one
+            drawn = subprocess.run([program, "tf", "suggest", path, "-q"], capture_output=True, check=False)
+            if drawn.returncode == 0 or BAD[name][1] not in said:
+                yield f"{name}: the page says {said!r}, the program ended with {drawn.returncode}"
         elif said or told.returncode != 0:
             yield f"{name}: the page says {said!r}, the program {told.stderr!r}"
         else:
