@@ -48,11 +48,11 @@ link_release := -pie -Wl,-z,relro,-z,now
 link_coverage := -Wl,-u,__gcov_dump
 # Kernels without AVX-512, for measurements on a machine that has it.
 flags_avx2 := $(flags_release) -DISO_WITHOUT_AVX512
-flags_debug := -O0 -g
+flags_debug := -O0 -g -ffp-contract=off
 # No variable tracking: gcc warns that kernels of the CPU ray caster are too large. New textures are filled with NaN, so
 # that reads of unwritten texels are visible.
 flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer \
-	-fno-var-tracking-assignments -DISO_POISON_TEXTURES
+	-fno-var-tracking-assignments -ffp-contract=off -DISO_POISON_TEXTURES
 # fuzz: clang, for `make fuzz`; coverage: gcc, for the lines that fuzzing reaches.
 flags_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 flags_coverage := -O1 -g --coverage
@@ -427,7 +427,7 @@ fortified_o := $(if $(filter release,$(config)),$(filter-out $(inner_loops:%=$(b
 $(fortified_o): CFLAGS += $(fortified)
 $(fortified_o): CXXFLAGS += $(fortified)
 $(fortified_o): $(build)/fortified
-$(build)/src/base/helper.o: CFLAGS += -DISO_LIBDIR='"../$(libdir)/isoshade"'
+$(build)/src/base/helper.o $(analyzed_in)/src/base/helper.txt: CFLAGS += -DISO_LIBDIR='"../$(libdir)/isoshade"'
 $(build)/src/base/helper.o: $(build)/libdir
 # Objects that embed text files (base/embed.h) depend on them.
 embedders := $(shell grep -ls '^ISO_EMBED' $(all_c))

@@ -231,7 +231,7 @@ check a_thousand_million_names_are_not_made ends 5 'names 999999999 data files' 
     printf '<DataSet file="%d.vti"/>\n' {1..60000}
     echo '</Collection></VTKFile>'
 } >many.pvd
-check a_list_of_many_files_is_read_once ends 2 'has 60000 frames' bash -c 'ulimit -t 1; exec "$ISOSHADE" info many.pvd'
+check a_list_of_many_files_is_read_once ends 2 'has 60000 frames' bash -c 'ulimit -t 1; exec "$ISOSHADE" build many.pvd -o many.iso'
 mkdir only_a_pipe && mkfifo only_a_pipe/slice.png
 check a_folder_of_a_pipe_has_no_slice ends 4 'holds no regular file' isoshade info only_a_pipe
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspacings: 1 1 1\nencoding: raw\ndata file: fifo.scene.json\n' >fifo.nhdr

@@ -12,7 +12,7 @@ bad = 0
 for top in sys.argv[1:]:
     for folder, _, names in os.walk(top):
         for name in names:
-            if not name.endswith((".c", ".h", ".cpp")) or folder.endswith("/gl"):
+            if not name.endswith((".c", ".h", ".cpp")) or folder.endswith(("/gl", "/lab")):
                 continue
             path = os.path.join(folder, name)
             for number, line in enumerate(open(path, errors="replace"), 1):

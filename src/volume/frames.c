@@ -147,8 +147,10 @@ static void take_notes(const iso_extra_axes *axes, const iso_source_choice *choi
     iso_words_copy_line(axes->frame_unit, notes->frame_unit, sizeof notes->frame_unit);
     notes->channel_count = axes->channel.count;
     notes->channel = choice->channel;
+    char list[sizeof notes->channel_list] = "";
     if (axes->channel.count > 1)
-        list_channels(axes, notes->channel_list, sizeof notes->channel_list);
+        list_channels(axes, list, sizeof list);
+    iso_words_copy_line(list, notes->channel_list, sizeof notes->channel_list);
     iso_words_copy_line(choice->luminance ? "luminance" : channel_name(axes, choice->channel), notes->channel_name,
                         sizeof notes->channel_name);
 }
