@@ -26,6 +26,22 @@ check each_file_says_its_license test -z "$found"
 check the_license_itself_is_there grep -q '^MIT License' "$top/LICENSE"
 check and_the_text_of_the_gpl_beside_its_scripts grep -q 'GNU GENERAL PUBLIC LICENSE' "$top/exporters/blender/COPYING"
 
+# What catalogs and citations say is of this version.
+version=$("$ISOSHADE" --version | cut -d' ' -f2)
+has_version() { grep -qx "version: $version" "$1/CITATION.cff" && grep -q "\"version\": \"$version\"" "$1/codemeta.json"; }
+check citation_and_codemeta_have_the_version has_version "$top"
+check codemeta_is_json python3 -m json.tool "$top/codemeta.json"
+mkdir older && sed 's/^version: .*/version: 0.0.1/' "$top/CITATION.cff" >older/CITATION.cff && cp "$top/codemeta.json" older
+notice an_older_version has_version older
+component=$top/debian/org.isoshade.isoshade.metainfo.xml
+if command -v appstreamcli >/dev/null; then
+    check software_catalogs_take_the_description appstreamcli validate --no-net "$component"
+    sed 's/<summary>.*//' "$component" >lame.metainfo.xml
+    notice one_without_a_summary appstreamcli validate --no-net lame.metainfo.xml
+else
+    skip software_catalogs_take_the_description "appstreamcli is not installed (Debian's appstream)"
+fi
+
 # Planted faults: a file without a line, and a script for Blender under the other license.
 mkdir -p planted/src planted/exporters planted/tests planted/refscenes planted/.ci && cd planted || exit 1
 printf '# SPDX-License-Identifier: MIT\n' >Makefile
