@@ -48,11 +48,11 @@ link_release := -pie -Wl,-z,relro,-z,now
 link_coverage := -Wl,-u,__gcov_dump
 # Kernels without AVX-512, for measurements on a machine that has it.
 flags_avx2 := $(flags_release) -DISO_WITHOUT_AVX512
-flags_debug := -O0 -g -ffp-contract=off
+flags_debug := -O0 -g
 # No variable tracking: gcc warns that kernels of the CPU ray caster are too large. New textures are filled with NaN, so
 # that reads of unwritten texels are visible.
 flags_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer \
-	-fno-var-tracking-assignments -ffp-contract=off -DISO_POISON_TEXTURES
+	-fno-var-tracking-assignments -DISO_POISON_TEXTURES
 # fuzz: clang, for `make fuzz`; coverage: gcc, for the lines that fuzzing reaches.
 flags_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 flags_coverage := -O1 -g --coverage

@@ -77,13 +77,13 @@ ISO_SIMD static void stencil_inside(const float w[OFFSETS], const float *restric
         out[x] = (w[0] * row[x - 2] + w[4] * row[x + 2]) + (w[1] * row[x - 1] + w[3] * row[x + 1]) + w[2] * row[x];
 }
 
+/* Has the same sums as stencil_inside(), so that a box of a volume has the same bits as the whole. */
 static float stencil_at(const float w[OFFSETS], const float *row, size_t x)
 {
-    float sum = 0;
+    float part[OFFSETS];
     for (size_t o = 0; o < OFFSETS; ++o)
-        if (w[o] != 0)
-            sum += w[o] * row[x + o - MIDDLE];
-    return sum;
+        part[o] = w[o] != 0 ? w[o] * row[x + o - MIDDLE] : 0;
+    return (part[0] + part[4]) + (part[1] + part[3]) + part[2];
 }
 
 static void along_x(iso_gradient_method method, bool derivative, const float *restrict row, size_t n,
