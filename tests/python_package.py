@@ -106,6 +106,34 @@ class Volumes(unittest.TestCase):
         raw = iso.open("raw", raw_size=(4, 2, 1), raw_type="uint16", raw_is_big_endian=True, labels=False)
         np.testing.assert_array_equal(raw.array.ravel(), range(8))
 
+    def test_reading_options(self):
+        pathlib.Path("uneven.vtk").write_text("""# vtk DataFile Version 3.0
+planes at 0, 1 and 3 mm
+ASCII
+DATASET RECTILINEAR_GRID
+DIMENSIONS 2 2 3
+X_COORDINATES 2 float
+0 1
+Y_COORDINATES 2 float
+0 1
+Z_COORDINATES 3 float
+0 1 3
+POINT_DATA 12
+SCALARS v float 1
+LOOKUP_TABLE default
+0 0 0 0 1 1 1 1 3 3 3 3
+""")
+        with self.assertRaisesRegex(iso.Error, "--resample"):
+            iso.open("uneven.vtk")
+        with self.assertWarnsRegex(UserWarning, "2 x 2 x 4 samples are interpolated of 2 x 2 x 3"):
+            resampled = iso.open("uneven.vtk", resample=True).array
+        np.testing.assert_allclose(resampled[:, 0, 0], [0, 1, 2, 3], atol=1e-6)  # linear; rounding of floats
+        forced = iso.open("uneven.vtk", force_spacing=True).array
+        np.testing.assert_array_equal(forced[:, 1, 1], [0, 1, 3])
+        for no_data, gone in ((1, [1]), ((1, 3), [1, 3]), ("none", [])):
+            array = iso.open("uneven.vtk", force_spacing=True, no_data=no_data).array
+            np.testing.assert_array_equal(array == -2.0**100, np.isin(forced, gone))
+
     def test_pickles(self):
         v = iso.Volume(ball(), index_to_world=[[0, -1, 0, 3], [2, 0, 0, 4], [0, 0, 1, 5]])
         again = pickle.loads(pickle.dumps(v))
