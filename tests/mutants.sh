@@ -91,20 +91,14 @@ copy() { # FOLDER
 }
 build() { make --no-print-directory SETUP=no "$@" >"$logs/build" 2>&1; }
 
-# Prints "lab/" if the test is the lab's.
-place_of() { if compgen -G "tests/lab/$1.*" >/dev/null; then echo lab/; fi; }
-
 # passes TEST: builds it, and runs it against the program of the copy, with the libraries that lie beside that
 passes() {
     case $1 in
     check_*)
-        build all lab && timeout 900 env ISOSHADE="$PWD/build/release/isoshade" \
-            bash "tests/$(place_of "$1")$1.sh" >"$logs/test" 2>&1
+        script=$(ls tests/"$1".sh tests/lab/"$1".sh 2>/dev/null)
+        build all lab && timeout 900 env ISOSHADE="$PWD/build/release/isoshade" bash "$script" >"$logs/test" 2>&1
         ;;
-    *)
-        test=build/release/tests/$(place_of "$1")$1
-        build all "$test" && timeout 900 "$test" >"$logs/test" 2>&1
-        ;;
+    *) build all "build/release/tests/$1" && timeout 900 "build/release/tests/$1" >"$logs/test" 2>&1 ;;
     esac </dev/null
 }
 
