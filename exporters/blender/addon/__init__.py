@@ -6,13 +6,14 @@
     volume.py     the objects of `isoshade export --to blender` in the open file
     place.py      an imported volume in a person's own scene
     operators.py  the buttons
+    cutter.py     empties and meshes that cut the volume
     certify.py    the button that certifies the scene
     own_picture.py  the picture of a copy of the file, in a Blender of its own
     panel.py      the panel in the sidebar of the 3D view"""
 import bpy
 from bpy.props import BoolProperty, IntProperty, PointerProperty, StringProperty
 
-from . import certify, operators, panel
+from . import certify, cutter, operators, panel
 
 # For Blender before 4.2; later ones read blender_manifest.toml.
 bl_info = {
@@ -52,7 +53,7 @@ class IsoshadeScene(bpy.types.PropertyGroup):
     report: StringProperty(subtype='FILE_PATH')
 
 
-classes = (IsoshadePreferences, IsoshadeState, IsoshadeScene, *operators.classes, *certify.classes, *panel.classes)
+classes = (IsoshadePreferences, IsoshadeState, IsoshadeScene, *operators.classes, *cutter.classes, *certify.classes, *panel.classes)
 
 
 def menu(self, _context):

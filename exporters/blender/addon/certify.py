@@ -8,11 +8,12 @@ import tempfile
 
 import bpy
 
-from . import volume
+from . import cutter, volume
 from .operators import Button, isoshade
 from .tables import Refused
 
 LIMIT = 1 / 255  # RMSE between the file's picture and the reference, as a step of 8 bits
+MOST_CLIPS = 6  # ISO_MAX_CLIP_PLANES
 LEAST_CHANGE = 1e-4  # of settings that are named
 
 
@@ -103,6 +104,12 @@ class Certificate:
         self.own_folder = self.folder + "_of_file"
         self.path = self.folder + ".scene.json"
         self.about = volume.scene_json(context, frame)
+        point, direction, _ = volume.place_of(frame, self.scene)
+        cuts = cutter.clip_planes(frame, point, direction)
+        if cuts:
+            self.about["clip_planes"] = self.about.get("clip_planes", []) + cuts
+            if len(self.about["clip_planes"]) > MOST_CLIPS:
+                raise Refused(f"The reference has at most {MOST_CLIPS} clip planes, this scene has {len(self.about['clip_planes'])}")
         if self.scene.render.film_transparent:
             self.about["background"] = [0, 0, 0]
         image = self.about["image"]

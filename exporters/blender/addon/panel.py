@@ -2,7 +2,7 @@
 """The panel "isoshade" in the sidebar of the 3D view."""
 import bpy
 
-from . import operators, volume
+from . import cutter, operators, volume
 from .tables import Refused, value_at
 
 
@@ -93,6 +93,30 @@ class ISOSHADE_PT_transfer(Section, bpy.types.Panel):
         row.operator("isoshade.save_tf", text="Save", icon='FILE_TICK')
 
 
+class ISOSHADE_PT_cut(Section, bpy.types.Panel):
+    bl_idname, bl_label = "ISOSHADE_PT_cut", "Cut"
+
+    @classmethod
+    def poll(cls, context):
+        return volume.find_frame(context) is not None
+
+    def draw(self, context):
+        layout, frame = self.layout, volume.find_frame(context)
+        row = layout.row(align=True)
+        for shape, icon in (('BOX', 'CUBE'), ('SPHERE', 'SPHERE'), ('PLANE', 'EMPTY_SINGLE_ARROW'),
+                            ('ACTIVE', 'RESTRICT_SELECT_OFF')):
+            row.operator("isoshade.cut", text=shape.capitalize(), icon=icon).shape = shape
+        try:
+            found = cutter.cutters_of(frame)
+        except Refused:
+            return
+        for node, thing in found:
+            if thing is not None:
+                layout.prop(thing, '["keep_inside"]', text=f"{thing.name}: keep inside")
+        if found:
+            layout.operator("isoshade.uncut", icon='X')
+
+
 class ISOSHADE_PT_certify(Section, bpy.types.Panel):
     bl_idname, bl_label = "ISOSHADE_PT_certify", "Certify"
 
@@ -113,4 +137,4 @@ class ISOSHADE_PT_certify(Section, bpy.types.Panel):
             layout.operator("isoshade.open_report", icon='URL')
 
 
-classes = (ISOSHADE_PT_volume, ISOSHADE_PT_transfer, ISOSHADE_PT_certify)
+classes = (ISOSHADE_PT_volume, ISOSHADE_PT_transfer, ISOSHADE_PT_cut, ISOSHADE_PT_certify)
