@@ -196,7 +196,10 @@ wheel: all ## build a Python wheel with the library in build/wheel; other librar
 	@python3 python/wheel.py $(shared) build/wheel
 sbom: all ## write build/isoshade.spdx.json: the Debian packages of the libraries that the built files load
 	@python3 tests/sbom.py $(version) build/isoshade.spdx.json $(program) $(shared) $(beside)
-.PHONY: deb wheel sbom
+RELEASE ?= bookworm
+deb-check: ## build, install, use and purge the packages in clean Debians, as root: RELEASE=trixie
+	@bash tests/packages.sh $(RELEASE)
+.PHONY: deb wheel sbom deb-check
 
 # The Blender add-on: one zip, for 3.4 (bl_info) and for 4.2 and later (blender_manifest.toml).
 addon := $(build)/isoshade-blender-addon.zip

@@ -11,36 +11,15 @@
 #   --keep DIR        uses the root in DIR, makes it where it is not there, and leaves it for the next run
 #
 # The whole output goes to build/elsewhere-RELEASE.log. Needs root, debootstrap and a Debian mirror.
-#
-# What is mounted is mounted in a namespace of its own, and its processes have a PID namespace of their own: both are
-# gone when the run ends, however it ends. The root gets a /dev and a /proc that are its own, never the host's, and it is
-# removed from outside of the namespace, where nothing was ever mounted on it.
 set -u
+top=$(cd "$(dirname "$0")/.." && pwd)
+. "$top/tests/roots.sh"
 
 # ---- inside the namespaces: process 1 of its own ------------------------------------------------------------------
 
-mount_devices() { # ROOT
-    mount -t proc proc "$1/proc" && mount -t tmpfs -o mode=755 tmpfs "$1/dev" || return 1
-    local node
-    for node in null zero full random urandom tty; do
-        : >"$1/dev/$node" && mount --bind "/dev/$node" "$1/dev/$node" || return 1
-    done
-    ln -s /proc/self/fd "$1/dev/fd"
-    ln -s fd/0 "$1/dev/stdin" && ln -s fd/1 "$1/dev/stdout" && ln -s fd/2 "$1/dev/stderr"
-    mkdir "$1/dev/shm" "$1/dev/pts"
-    mount -t tmpfs -o mode=1777 tmpfs "$1/dev/shm"
-    mount -t devpts -o newinstance,ptmxmode=0666 devpts "$1/dev/pts" && ln -s pts/ptmx "$1/dev/ptmx"
-    mount -t sysfs -o ro sysfs "$1/sys" 2>/dev/null # the machine's topology; programs do without
-    return 0
-}
-
 inside() { # ROOT TARGET SCENES
     local root=$1 target=$2 scenes=$3
-    mount_devices "$root" || return 1
-    # The tests must not find anything of the host: an environment of its own, but for the way to the network.
-    chroot "$root" /usr/bin/env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
-        LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive ${http_proxy:+http_proxy="$http_proxy"} \
-        ${https_proxy:+https_proxy="$https_proxy"} ${no_proxy:+no_proxy="$no_proxy"} sh -euc '
+    mount_devices "$root" && in_root "$root" sh -euc '
             apt-get update -qq
             apt-get install -y -qq --no-install-recommends make git >/dev/null
             cd /root/isoshade
@@ -83,10 +62,6 @@ usage() {
     echo "usage: tests/elsewhere.sh [--target TARGET] [--scenes] [--keep DIR] bookworm|trixie|sid" >&2
     exit 2
 }
-die() {
-    echo "elsewhere: $*" >&2
-    exit 1
-}
 
 target=check scenes='' keep='' suite=''
 while [ $# -gt 0 ]; do
@@ -100,11 +75,7 @@ while [ $# -gt 0 ]; do
 done
 [ -n "$suite" ] || usage
 [ "$target" != check ] || scenes=yes
-[ "$(id -u)" = 0 ] || die "needs root: it makes a Debian $suite in a folder and enters it"
-for program in unshare git debootstrap; do
-    command -v $program >/dev/null || die "$program is missing; it comes with the Debian package ${program/unshare/util-linux}"
-done
-top=$(cd "$(dirname "$0")/.." && pwd)
+needs_roots
 [ -z "$(git -C "$top" status --porcelain)" ] || echo "elsewhere: what is not committed is not tested" >&2
 
 if [ -n "$keep" ]; then
@@ -115,57 +86,15 @@ if [ -n "$keep" ]; then
     fi
 else
     root=$(mktemp -d "${TMPDIR:-/var/tmp}/isoshade-$suite.XXXXXX") || die "no folder for the root"
+    roots=("$root")
 fi
-
-remove_root() {
-    [ -z "$keep" ] || return 0
-    if grep -qF " $root" /proc/self/mountinfo; then # cannot be, and must not be
-        echo "elsewhere: something is mounted in $root; it is left" >&2
-        return 0
-    fi
-    rm -rf --one-file-system "$root"
-}
-child=
-stop() { # what runs in the namespaces ends with the process that made them
-    [ -z "$child" ] || kill -KILL "$child" 2>/dev/null
-    exit 130
-}
-trap remove_root EXIT
-trap stop INT TERM HUP
-
-# The mirror that the host's apt uses; none where the host is no Debian: then debootstrap's own.
-mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' 2>/dev/null | head -n 1)
-mirror=${mirror%/}
-
-prepare() { # what the chroot needs of the host: names, the way to the mirror, the clone
-    mkdir -p "$root/etc/apt/apt.conf.d" "$root/root"
-    cp -L /etc/resolv.conf "$root/etc/resolv.conf"
-    apt-config dump 2>/dev/null | grep -E '^Acquire::(http|https)::|^Acquire::(Check-Valid-Until|Check-Date|Retries) ' \
-        >"$root/etc/apt/apt.conf.d/90host"
-    [ -z "$mirror" ] || echo "deb $mirror $suite main" >"$root/etc/apt/sources.list"
-    rm -rf --one-file-system "$root/root/isoshade"
-    git clone --quiet --no-hardlinks "$top" "$root/root/isoshade" &&
-        git -C "$root/root/isoshade" checkout --quiet --detach "$commit"
-}
 
 log=$top/build/elsewhere-$suite.log
 mkdir -p "$top/build"
-apart() { # COMMAND: in namespaces of its own
-    unshare --mount --propagation private --pid --fork --kill-child --mount-proc "$@" >&3 2>&1 </dev/null &
-    child=$!
-    wait "$child"
-    local code=$?
-    child=
-    return $code
-}
-
 start=$SECONDS
-commit=$(git -C "$top" rev-parse HEAD) || die "the checkout has no commit"
 exec 3> >(tee "$log")
 tee=$!
-# debootstrap wants an empty folder, so the rest is prepared between the two.
-{ [ -e "$root/etc/debian_version" ] || apart debootstrap --variant=minbase "$suite" "$root" $mirror; } &&
-    prepare && apart bash "$top/tests/elsewhere.sh" --inside "$root" "$target" "${scenes:-no}"
+make_root "$suite" "$root" && clone_into "$root" && apart bash "$top/tests/elsewhere.sh" --inside "$root" "$target" "${scenes:-no}"
 code=$?
 exec 3>&-
 wait "$tee" # the log is complete
