@@ -377,11 +377,12 @@ $(build)/isoshade-vdb: $(vdb_cc:%.cc=$(readers_in)/%.o)
 $(reader_programs): $(build)/isoshade-%: $(child_main:%.cc=$(readers_in)/%.o)
 	@mkdir -p $(@D)
 	$(call say,LD )$(READER_CXX) -pie -Wl,-z,relro,-z,now -o $@ $^ $($*_libs)
-# Files get the earliest date that zip supports, so that the zip's bytes do not depend on the day.
+# Files get the earliest date that zip supports, so that the zip's bytes do not depend on the day. The folder is a module's
+# name in Blender before 4.2: the Python package, if it is installed, is found first by its own.
 $(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml) LICENSE exporters/blender/COPYING
-	@rm -rf $@ $(build)/addon && mkdir -p $(build)/addon/isoshade && cp $^ $(build)/addon/isoshade/
-	@TZ=UTC touch -d 1980-01-01 $(build)/addon/isoshade/* $(build)/addon/isoshade
-	$(call say,ZIP)cd $(build)/addon && TZ=UTC python3 -m zipfile -c ../$(@F) isoshade
+	@rm -rf $@ $(build)/addon && mkdir -p $(build)/addon/isoshade_addon && cp $^ $(build)/addon/isoshade_addon/
+	@TZ=UTC touch -d 1980-01-01 $(build)/addon/isoshade_addon/* $(build)/addon/isoshade_addon
+	$(call say,ZIP)cd $(build)/addon && TZ=UTC python3 -m zipfile -c ../$(@F) isoshade_addon
 $(lab_tests): $(build)/tests/%: $(build)/tests/lab/%.o $(lab_o) $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)

@@ -45,8 +45,10 @@ def install():
         bpy.ops.extensions.package_install_files(filepath=zip_path, repo="user_default", enable_on_install=True)
         return "bl_ext.user_default.isoshade"
     bpy.ops.preferences.addon_install(filepath=zip_path)
-    bpy.ops.preferences.addon_enable(module="isoshade")
-    return "isoshade"
+    # The Python package, if it is installed, is searched first.
+    sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "python"))
+    bpy.ops.preferences.addon_enable(module="isoshade_addon")
+    return "isoshade_addon"
 
 
 def points_of(path):

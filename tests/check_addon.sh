@@ -13,7 +13,7 @@ unset MAKEFLAGS MFLAGS # of the make that runs the tests
 expect it_is_packed 0 make -s -C "$top" SETUP=no build="$dir/packed" addon
 cp "$dir/packed/isoshade-blender-addon.zip" "$zip" || exit 1
 python3 -m zipfile -l "$zip" >listed
-check with_its_licenses_and_manifest test "$(grep -cE 'isoshade/(LICENSE|COPYING|blender_manifest.toml|__init__.py) ' listed)" = 4
+check with_its_licenses_and_manifest test "$(grep -cE 'isoshade_addon/(LICENSE|COPYING|blender_manifest.toml|__init__.py) ' listed)" = 4
 # Who packs it later gets the same bytes: no time of today is in it.
 check without_a_time_of_packing test "$(grep -c '1980-01-01 00:00:00' listed)" = "$(($(wc -l <listed) - 1))"
 
