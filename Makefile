@@ -25,9 +25,9 @@ demo_packages := $(packages) libepoxy-dev libegl-dev libegl1 libgl1-mesa-dri lib
 # For all formats and the tests: make check.
 check_packages := $(demo_packages) libnanovdb-tools libcmocka-dev libopenmpi-dev openmpi-bin libinsighttoolkit5-dev \
 	libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev groff-base poppler-utils python3-openvdb python3-numpy chromium \
-	teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools python3-nibabel \
-	python3-astropy python3-vtk9 python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools clang libomp-dev \
-	cppcheck valgrind strace python3-openimageio openimageio-tools python3-png xvfb xauth
+	python3-yaml teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools \
+	python3-nibabel python3-astropy python3-vtk9 python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools \
+	clang libomp-dev cppcheck valgrind strace python3-openimageio openimageio-tools python3-png xvfb xauth
 
 # Folders that parse untrusted input.
 untrusted := base image volume
@@ -377,8 +377,8 @@ $(build)/isoshade-vdb: $(vdb_cc:%.cc=$(readers_in)/%.o)
 $(reader_programs): $(build)/isoshade-%: $(child_main:%.cc=$(readers_in)/%.o)
 	@mkdir -p $(@D)
 	$(call say,LD )$(READER_CXX) -pie -Wl,-z,relro,-z,now -o $@ $^ $($*_libs)
-# Files get the earliest date that zip supports, so that the zip's bytes do not depend on the day. The folder is a module's
-# name in Blender before 4.2: the Python package, if it is installed, is found first by its own.
+# Files get the earliest date that zip supports, so that the zip's bytes do not depend on the day. The folder's name is
+# the module's in Blender before 4.2, which would find an installed Python package isoshade first.
 $(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml) LICENSE exporters/blender/COPYING
 	@rm -rf $@ $(build)/addon && mkdir -p $(build)/addon/isoshade_addon && cp $^ $(build)/addon/isoshade_addon/
 	@TZ=UTC touch -d 1980-01-01 $(build)/addon/isoshade_addon/* $(build)/addon/isoshade_addon

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# The add-on of Blender: it is packed, installed and enabled, and each of its buttons does what it says (addon_buttons.py).
+# The add-on of Blender: it is packed, installed and enabled, and each of its buttons does its work (addon_buttons.py).
 # Its versions are the header's, and its fit of stops is that of exporters/blender/ramp.c.
 . "$(dirname "$0")/lib.sh"
 zip=$dir/isoshade.zip
@@ -13,7 +13,8 @@ unset MAKEFLAGS MFLAGS # of the make that runs the tests
 expect it_is_packed 0 make -s -C "$top" SETUP=no build="$dir/packed" addon
 cp "$dir/packed/isoshade-blender-addon.zip" "$zip" || exit 1
 python3 -m zipfile -l "$zip" >listed
-check with_its_licenses_and_manifest test "$(grep -cE 'isoshade_addon/(LICENSE|COPYING|blender_manifest.toml|__init__.py) ' listed)" = 4
+check with_its_licenses_and_manifest test 4 = \
+    "$(grep -cE 'isoshade_addon/(LICENSE|COPYING|blender_manifest.toml|__init__.py) ' listed)"
 # Who packs it later gets the same bytes: no time of today is in it.
 check without_a_time_of_packing test "$(grep -c '1980-01-01 00:00:00' listed)" = "$(($(wc -l <listed) - 1))"
 

@@ -94,7 +94,8 @@ mkdir -p "$top/build"
 start=$SECONDS
 exec 3> >(tee "$log")
 tee=$!
-make_root "$suite" "$root" && clone_into "$root" && apart bash "$top/tests/elsewhere.sh" --inside "$root" "$target" "${scenes:-no}"
+make_root "$suite" "$root" && clone_into "$root" &&
+    apart bash "$top/tests/elsewhere.sh" --inside "$root" "$target" "${scenes:-no}"
 code=$?
 exec 3>&-
 wait "$tee" # the log is complete

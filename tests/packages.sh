@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Builds the Debian packages of the checkout's HEAD in a clean Debian, with the build dependencies of debian/control alone.
-# Installs them in a second clean Debian, uses each, and purges them. Prints a line per case, and how many passed.
+# Builds the Debian packages of the checkout's HEAD in a clean Debian, with the build dependencies of debian/control
+# alone. Installs them in a second clean Debian, uses each, and purges them. Prints a line per case, and how many passed.
 #
 #   tests/packages.sh bookworm|trixie|sid          make deb-check RELEASE=trixie does the same
 #
-# The whole output goes to build/packages-RELEASE.log, fetched packages stay in build/fetched for the next run. Needs root,
-# debootstrap and a Debian mirror. If CCACHE_DIR is set, the compiler is ccache with that folder.
+# The whole output goes to build/packages-RELEASE.log, fetched packages stay in build/fetched for the next run. Needs
+# root, debootstrap and a Debian mirror. If CCACHE_DIR is set, the compiler is ccache with that folder.
 set -u
 top=$(cd "$(dirname "$0")/.." && pwd)
 . "$top/tests/roots.sh"
@@ -36,15 +36,17 @@ build_packages() {
 }
 
 everything() { # the paths of this root that no cache and no log has
-    find / -xdev \( -path /var/cache -o -path /var/log -o -path /var/lib/apt -o -path /var/lib/dpkg -o -path /tmp -o -path /root \
-        -o -path /dev -o -path /proc -o -path /sys \) -prune -o -print | sort
+    find / -xdev -regextype posix-extended -regex '/(var/cache|var/log|var/lib/apt|var/lib/dpkg|tmp|root|dev|proc|sys)' \
+        -prune -o -print | sort
 }
-left() { everything | diff without - >changed; } # in `changed`: paths that came or went, compared with the list `without`
+left() { everything | diff without - >changed; } # compares with the list `without`
 first_picture() {
     isoshade make marschner-lobb --size 24 -q -o first.nrrd && isoshade render first.nrrd -q -o first.png &&
         [ "$(head -c 4 first.png | tail -c 3)" = PNG ]
 }
-libraries_are_found() { ! ldd $(ls /usr/bin/isoshade /usr/lib/*/isoshade/* | grep -v mpi) | grep 'not found'; } # MPI is suggested
+libraries_are_found() { # of all but MPI, which is suggested
+    ! ldd $(ls /usr/bin/isoshade /usr/lib/*/isoshade/* | grep -v mpi) | grep 'not found'
+}
 addon_is_enabled() {
     blender -b --factory-startup --python-exit-code 1 --python-expr 'import addon_utils, bpy
 module = addon_utils.enable("isoshade_addon")

@@ -2,7 +2,7 @@
 # roots.sh - sourced by elsewhere.sh and packages.sh: clean Debian roots that know nothing of this machine. Needs $top.
 #
 # Each root has mounts and processes in namespaces of its own: both are gone when the run ends, however it ends. It has
-# its own /dev and /proc, never the host's. It is removed from outside of the namespaces, where nothing was mounted on it.
+# its own /dev and /proc, never the host's. It is removed from outside of the namespaces, where nothing was mounted.
 set -u
 
 die() {
@@ -14,7 +14,7 @@ needs_roots() { # dies if this system makes none; $commit becomes the checkout's
     [ "$(id -u)" = 0 ] || die "needs root: it makes a Debian in a folder and enters it"
     local program
     for program in unshare git debootstrap; do
-        command -v $program >/dev/null || die "$program is missing; it comes with the Debian package ${program/unshare/util-linux}"
+        command -v $program >/dev/null || die "$program is missing; its Debian package is ${program/unshare/util-linux}"
     done
     commit=$(git -C "$top" rev-parse HEAD) || die "the checkout has no commit"
 }
@@ -77,7 +77,8 @@ apart() { # COMMAND: in namespaces of its own; prints to descriptor 3
 make_root() { # SUITE ROOT: a Debian, if the folder is none yet, with names and the way to the mirror
     local suite=$1 root=$2 mirror
     # The mirror of the host's apt; debootstrap's own if the host is no Debian.
-    mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' 2>/dev/null | head -n 1)
+    mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' \
+        2>/dev/null | head -n 1)
     mirror=${mirror%/}
     # debootstrap needs an empty folder.
     [ -e "$root/etc/debian_version" ] || apart debootstrap --variant=minbase "$suite" "$root" $mirror || return 1

@@ -60,8 +60,9 @@ static void put_why_it_differs(FILE *f, const json_t *row)
     iso_markup_put(f, iso_row_text(row, "why"));
 }
 
-static void put_case_agreement(FILE *f, const json_t *row)
+static void put_case_agreement(FILE *f, const json_t *root, const json_t *row)
 {
+    (void)root;
     char name[ISO_ROW_NAME_BYTES];
     iso_row_name_of(row, name);
     put_case(f, "agreement", iso_row_text(row, "scene"), row);
@@ -90,9 +91,11 @@ static void put_case_agreement(FILE *f, const json_t *row)
     fputs("\"/>\n    </testcase>\n", f);
 }
 
-/* Writes a calibration. A missing renderer is an error; its rows are skipped. */
-static void put_case_calibration(FILE *f, const json_t *row)
+/* Writes a calibration, with the mistake that explains a failure. A missing renderer is an error; its rows are
+ * skipped. */
+static void put_case_calibration(FILE *f, const json_t *root, const json_t *row)
 {
+    const char *mistake = iso_row_text(json_object_get(root, "mistakes"), iso_row_text(row, "renderer"));
     const bool measured = json_is_number(json_object_get(row, "value"));
     put_case(f, "calibration", iso_row_text(row, "renderer"), row);
     iso_markup_put(f, iso_row_text(row, "check"));
@@ -111,6 +114,11 @@ static void put_case_calibration(FILE *f, const json_t *row)
                 iso_row_number(row, "value"), iso_row_text(row, "unit"), iso_row_number(row, "limit"));
     else
         fputs("\">\n      <error type=\"calibration\" message=\"nothing was measured\">", f);
+    if (mistake[0]) {
+        fputs("The renderer draws ", f);
+        iso_markup_put(f, mistake);
+        fputs(". ", f);
+    }
     iso_markup_put(f, iso_row_text(row, "detail"));
     fprintf(f, "</%s>\n    </testcase>\n", measured ? "failure" : "error");
 }
@@ -157,8 +165,9 @@ static void put_simple(FILE *f, const json_t *simple)
 }
 
 /* Writes a level that does not hold as a failure; better figures of other methods are facts. */
-static void put_case_levels(FILE *f, const json_t *row)
+static void put_case_levels(FILE *f, const json_t *root, const json_t *row)
 {
+    (void)root;
     const json_t *stored = json_object_get(row, "stored");
     json_t *figure;
     size_t i;
@@ -193,8 +202,9 @@ static void put_case_levels(FILE *f, const json_t *row)
 }
 
 typedef struct suite {
-    const char *name;                                                                       /* also of the rows */
-    void (*put_case)(FILE *f, const json_t *row), (*put_facts)(FILE *f, const json_t *row); /* one of the two */
+    const char *name; /* also of the rows */
+    void (*put_case)(FILE *f, const json_t *root, const json_t *row), /* one of the two */
+        (*put_facts)(FILE *f, const json_t *row);
 } suite;
 
 /* Sections without cases, or without facts. */
@@ -273,7 +283,7 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
         put_property(f, key, json_string_value(version));
     json_array_foreach(rows, i, row) if (s->put_facts) s->put_facts(f, row);
     fputs("    </properties>\n", f);
-    json_array_foreach(rows, i, row) if (s->put_case) s->put_case(f, row);
+    json_array_foreach(rows, i, row) if (s->put_case) s->put_case(f, root, row);
     put_open_cases(f, open);
     json_decref(open);
     fputs("    <system-out/>\n    <system-err/>\n  </testsuite>\n", f);
