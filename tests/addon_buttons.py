@@ -298,9 +298,54 @@ press(buttons.certify)
 tell("a_step_that_stays_behind_is_named", "step rate of its material" in scene.isoshade.verdict and not scene.isoshade.agrees, scene.isoshade.verdict)
 shown.active_material.cycles.volume_step_rate = 0.01
 frame.parent = camera.parent = None
+scene.view_settings.view_transform = 'Standard'
 frame.matrix_world, camera.matrix_world, camera.data.clip_start, camera.data.ortho_scale = kept
 shown.active_material.cycles.volume_step_rate = 1
-scene.view_settings.view_transform = 'Standard'
+
+
+def certified(name, *words, good=True):
+    """Certifies, and looks for words in the verdict."""
+    press(buttons.certify)
+    said = scene.isoshade.verdict
+    tell(name, all(word in said for word in words) and (own_rmse() < 1 / 255) == good, said)
+
+
+# Edited by a person: each edit is named, and none is blamed on another.
+scene.view_settings.exposure, scene.cycles.film_exposure = 0.5, 1.5
+lamp = bpy.data.objects.new("my lamp", bpy.data.lights.new("my lamp", 'POINT'))
+scene.collection.objects.link(lamp)
+certified("edits_are_named", "exposure 0.5 by 0.", "film exposure 1.5 by 0.", "The exact material ignores my lamp.")
+scene.view_settings.exposure, scene.cycles.film_exposure = 0.0, 1.0
+bpy.data.objects.remove(lamp)
+certified("and_gone_when_undone")
+tell("without_a_trace", not any(word in scene.isoshade.verdict for word in ("exposure", "lamp")), scene.isoshade.verdict)
+exact = [tuple(element.color) for element in ramp.node.color_ramp.elements]
+for element in ramp.node.color_ramp.elements:
+    element.color = (0.2, 0.9, 0.4, element.color[3])
+press(buttons.show, ramp=True)
+certified("an_edited_ramp_that_is_shown_is_certified")
+press(buttons.show, ramp=False)
+refused("and_not_the_table_of_before", "The ramp was edited", buttons.certify)
+press(buttons.bake)
+certified("baked_it_is_certified")
+for element, color in zip(ramp.node.color_ramp.elements, exact):
+    element.color = color
+press(buttons.bake)
+for thing in scene.objects:
+    thing.select_set(thing == frame or thing.parent == frame)
+for thing in frame.children:
+    thing.hide_select = False
+bpy.ops.object.duplicate()
+copy = next(thing for thing in scene.objects if thing.select_get() and volume.levels_of(thing))
+copy.location.x, camera.location.x = copy.location.x + 300, camera.location.x + 300
+bpy.context.view_layer.objects.active = copy
+certified("a_copy_is_certified", f"Left out: my cube, {shown.name}.")
+volume.shown_object(copy).location.y += 2
+certified("a_moved_grid_of_the_copy_is_named", "was moved, turned or scaled inside its box", good=False)
+camera.location.x -= 300
+for thing in (*copy.children, copy):
+    bpy.data.objects.remove(thing)
+bpy.context.view_layer.objects.active = frame
 tell("it_is_a_page", os.path.isfile(scene.isoshade.report))
 about = volume.scene_json(bpy.context, frame)
 with open(os.path.join(folder, "scene.scene.json"), "w", encoding="utf-8") as file:

@@ -88,11 +88,13 @@ def own_sentence(result, reasons):
     if changes:
         said += f" Settings change it: {', '.join(changes)}."
     left_out = result["features"] + result["objects"]
-    return said + (f" Left out: {names_of(left_out)}." if left_out else "")
+    said += f" Left out: {names_of(left_out)}." if left_out else ""
+    return said + (f" The exact material ignores {names_of(result['lamps'])}." if result["lamps"] else "")
 
 
 def read_own(folder, complaint):
-    return read_json(os.path.join(folder, "result.json"), ("rmse", "max", "settings", "view", "objects", "features"), complaint)
+    return read_json(os.path.join(folder, "result.json"), ("rmse", "max", "settings", "view", "objects", "features", "lamps"),
+                     complaint)
 
 
 class Certificate:

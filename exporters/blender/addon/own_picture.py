@@ -23,6 +23,7 @@ SETTINGS = (
     ("use_adaptive_sampling", False, "adaptive sampling"),
     ("filter_width", 0.01, "filter width"),
 )
+SAMPLES = 16  # average phases of the steps: 4 leave an RMSE of 0.004 in shells thinner than a voxel
 # What the reference cannot draw is turned off, and named.
 OFF = (("render", "use_motion_blur", "motion blur"), ("render", "use_border", "render region"),
        ("render", "use_compositing", "compositor"), ("render", "use_sequencer", "sequencer"))
@@ -38,7 +39,17 @@ def keep_alone(scene, frame):
     for thing in others:
         thing.driver_remove("hide_render")
         thing.hide_render = True
-    return sorted(thing.name for thing in others if thing.type not in ('CAMERA', 'EMPTY', 'LIGHT') or thing.instance_collection)
+    return sorted(thing.name for thing in others if "isoshade missing file" not in thing.modifiers and (
+        thing.type not in ('CAMERA', 'EMPTY', 'LIGHT') or thing.instance_collection))
+
+
+def idle_lamps(scene):
+    """Returns the lamps that are no handles of a light of the exact material, which they do not light."""
+    trees = [material.node_tree for material in bpy.data.materials if material.node_tree]
+    drivers = [curve for tree in trees if tree.animation_data for curve in tree.animation_data.drivers]
+    handles = {target.id for curve in drivers for variable in curve.driver.variables for target in variable.targets}
+    return sorted(thing.name for thing in scene.objects
+                  if thing.type == 'LIGHT' and thing not in handles and not thing.hide_render)
 
 
 def turn_off(scene):
@@ -125,7 +136,7 @@ def measure(scene, plan):
             continue
         setattr(cycles, key, wanted)
         if key == "filter_width":
-            cycles.pixel_filter_type, cycles.samples = 'BLACKMAN_HARRIS', min(cycles.samples, 4)
+            cycles.pixel_filter_type, cycles.samples = 'BLACKMAN_HARRIS', min(cycles.samples, SAMPLES)
         changed = render(scene, os.path.join(folder, "reset.exr"))
         words += f" {have:g}" if isinstance(have, float) else "" if isinstance(have, bool) else f" {have}"
         result["settings"].append({"what": words, "rmse": apart(changed, picture)})
@@ -143,9 +154,10 @@ def main():
     scene.render.resolution_x, scene.render.resolution_y = plan["image"]
     scene.render.resolution_percentage = 100
     scene.render.use_overwrite, scene.render.use_file_extension, scene.render.use_multiview = True, True, False
+    lamps = idle_lamps(scene)
     objects = keep_alone(scene, bpy.data.objects[plan["frame"]])
     features = turn_off(scene)
-    result = {**measure(scene, plan), "objects": objects, "features": features}
+    result = {**measure(scene, plan), "objects": objects, "features": features, "lamps": lamps}
     with open(os.path.join(plan["folder"], "result.json"), "w", encoding="utf-8") as file:
         json.dump(result, file, indent=1)
 
