@@ -139,6 +139,8 @@ def note_scene(about, frame):
     for key in ("value_range", "voxel_mm"):
         if key in about:
             frame[f"isoshade_{key}"] = about[key]
+    if "labels" in about:
+        frame["isoshade_classes"] = json.dumps(about["labels"]["classes"])
     if not about.get("dense", True):
         frame["isoshade_hidden"] = json.dumps(hidden_values(about["tf"]["tables"]))
 

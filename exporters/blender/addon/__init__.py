@@ -7,13 +7,14 @@
     place.py      an imported volume in a person's own scene
     operators.py  the buttons
     cutter.py     empties and meshes that cut the volume
+    surface.py    meshes of a surface and of labels
     certify.py    the button that certifies the scene
     own_picture.py  the picture of a copy of the file, in a Blender of its own
     panel.py      the panel in the sidebar of the 3D view"""
 import bpy
 from bpy.props import BoolProperty, IntProperty, PointerProperty, StringProperty
 
-from . import certify, cutter, operators, panel
+from . import certify, cutter, operators, panel, surface
 
 # For Blender before 4.2; later ones read blender_manifest.toml.
 bl_info = {
@@ -53,7 +54,7 @@ class IsoshadeScene(bpy.types.PropertyGroup):
     report: StringProperty(subtype='FILE_PATH')
 
 
-classes = (IsoshadePreferences, IsoshadeState, IsoshadeScene, *operators.classes, *cutter.classes, *certify.classes, *panel.classes)
+classes = (IsoshadePreferences, IsoshadeState, IsoshadeScene, *operators.classes, *cutter.classes, *surface.classes, *certify.classes, *panel.classes)
 
 
 def menu(self, _context):

@@ -117,6 +117,21 @@ class ISOSHADE_PT_cut(Section, bpy.types.Panel):
             layout.operator("isoshade.uncut", icon='X')
 
 
+class ISOSHADE_PT_mesh(Section, bpy.types.Panel):
+    bl_idname, bl_label = "ISOSHADE_PT_mesh", "Add to the Scene"
+
+    @classmethod
+    def poll(cls, context):
+        return volume.find_frame(context) is not None
+
+    def draw(self, context):
+        frame = volume.find_frame(context)
+        if "isoshade_labels_size" in volume.shown_object(frame):
+            self.layout.operator("isoshade.label_meshes", icon='MESH_DATA')
+        else:
+            self.layout.operator("isoshade.surface", icon='MESH_DATA')
+
+
 class ISOSHADE_PT_certify(Section, bpy.types.Panel):
     bl_idname, bl_label = "ISOSHADE_PT_certify", "Certify"
 
@@ -137,4 +152,4 @@ class ISOSHADE_PT_certify(Section, bpy.types.Panel):
             layout.operator("isoshade.open_report", icon='URL')
 
 
-classes = (ISOSHADE_PT_volume, ISOSHADE_PT_transfer, ISOSHADE_PT_cut, ISOSHADE_PT_certify)
+classes = (ISOSHADE_PT_volume, ISOSHADE_PT_transfer, ISOSHADE_PT_cut, ISOSHADE_PT_mesh, ISOSHADE_PT_certify)

@@ -354,13 +354,18 @@ def bake(ramp, things):
     return worst, where
 
 
-def left_out_but_shown(frame):
-    """Returns the first visible values that the grids omit, because the transfer function hid them when they were made.
+def hidden_values(frame):
+    """Returns the intervals of values that the grids omit, because the transfer function hid them when they were made.
     """
     try:
-        hidden = [(float(lo), float(hi)) for lo, hi in json.loads(frame.get("isoshade_hidden", "[]"))]
+        return [(float(lo), float(hi)) for lo, hi in json.loads(frame.get("isoshade_hidden", "[]"))]
     except (TypeError, ValueError, RecursionError):
         raise Refused(f"{frame.name}: isoshade_hidden cannot be read") from None
+
+
+def left_out_but_shown(frame):
+    """Returns the first visible values that the grids omit."""
+    hidden = hidden_values(frame)
     for thing in levels_of(frame):
         table = Table(thing)
         values = tables.values_of(table.lo, table.hi, table.count)
@@ -406,16 +411,22 @@ def volume_path(frame, scene):
     raise Refused(f"{named}: does not exist; set the file under Volume")
 
 
-def voxel_units(thing):
-    """Returns the smallest spacing of an object's grid, in units of Blender; None if its file does not have it."""
+def spacing_of(thing):
+    """Returns the spacings of an object's grid along its axes, in units of Blender; None if its file has none."""
     grids = thing.data.grids
     if not grids.is_loaded:
         grids.load()
     for grid in grids:
         spacing = [column.length for column in grid.matrix_object.to_3x3().transposed()]
         if all(s > 0 for s in spacing):
-            return min(spacing)
+            return spacing
     return None
+
+
+def voxel_units(thing):
+    """Returns the smallest spacing, or None."""
+    spacing = spacing_of(thing)
+    return min(spacing) if spacing else None
 
 
 def place_of(frame, scene):

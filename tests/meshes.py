@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes of the add-on (exporters/blender/addon/surface.py) against closed forms. Run by Blender for check_meshes.sh; a
+line "ok NAME" or "not ok NAME: why" each.
+
+blender -b NAME.blend -P meshes.py -- ADDON_FOLDER sphere|labels"""
+import math
+import sys
+
+import bmesh
+import bpy
+import numpy
+from mathutils import Matrix
+
+folder, kind = sys.argv[sys.argv.index("--") + 1:]
+sys.path.insert(0, folder)
+import addon  # noqa: E402
+from addon import volume  # noqa: E402
+
+addon.register()
+frame = volume.find_frame(bpy.context)
+scene = bpy.context.scene
+
+def say(case, good, why=""):
+    print(f"ok {case}: {why}" if good else f"not ok {case}: {why}", flush=True)
+
+
+def press(button, **values):
+    try:
+        button(**values)
+    except RuntimeError as error:
+        return str(error).strip()
+    return ""
+
+
+def vertices(thing):
+    bpy.context.view_layer.update()
+    shown = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = shown.to_mesh()
+    found = numpy.array([shown.matrix_world @ vertex.co for vertex in mesh.vertices])
+    shown.to_mesh_clear()
+    return found
+
+
+def newest(before):
+    return sorted((thing for thing in bpy.data.objects if thing not in before), key=lambda thing: thing.name)
+
+
+def off(thing, value, scale=1, center=(0, 0, 0)):
+    """Largest distance in mm of a vertex to the sphere of a value: 1 - |p|, p from -1 to 1 along the shortest edge, 20
+    mm. Returns the limit, too: interpolation along an edge of length h loses at most h h / 8 R, and a vertex at the
+    mean of a cell's crossings lies as much inside."""
+    found, radius = vertices(thing), 10 * (1 - value)
+    far = abs(numpy.linalg.norm(found - center, axis=1) / scale - radius).max() if len(found) >= 30 else math.inf
+    return far, (2.5 * 2 ** volume.shown_level(frame)) ** 2 / (4 * radius)
+
+
+def near(case, *where):
+    far, limit = off(*where)
+    say(case, far <= limit, f"{far:.3g} mm, limit {limit:.3g}, voxels of 2.5 mm at level 0")
+
+
+def sphere():
+    for level in (0, 1):
+        press(bpy.ops.isoshade.level, level=level)
+        before = set(bpy.data.objects)
+        said = press(bpy.ops.isoshade.surface, value=0.3)
+        made = newest(before)
+        if not made:
+            say(f"a_surface_of_level_{level}", False, said)
+            continue
+        thing = made[0]
+        near(f"vertices_of_level_{level}_are_on_the_sphere", thing, 0.3)
+        thing.modifiers[0].threshold = 0.4
+        near(f"and_after_its_value_was_changed_{level}", thing, 0.4)
+        kept = frame.matrix_world.copy()
+        frame.matrix_world = Matrix.Translation((3, -2, 1)) @ Matrix.Scale(0.01, 4) @ kept
+        near(f"it_moves_and_scales_with_the_volume_{level}", thing, 0.4, 0.01, (3, -2, 1))
+        frame.matrix_world = kept
+        thing.modifiers[1].show_viewport = False
+        far, limit = off(thing, 0.4)
+        say(f"half_a_voxel_is_seen_{level}", limit < far < math.inf, f"{far:.3g} mm")
+    said = press(bpy.ops.isoshade.label_meshes)
+    say("it_has_no_labels", "is not a label map" in said, said)
+
+
+def labels():
+    """A ball of 33 voxels and a cuboid of 2 x 3 x 4, voxels of 1 x 1 x 2.5 mm, sheared."""
+    before = set(bpy.data.objects)
+    said = press(bpy.ops.isoshade.label_meshes)
+    made = {thing.name.split()[-1]: thing for thing in newest(before)}
+    say("each_label_is_a_mesh", sorted(made) == ["bone", "liver"], f"{sorted(made)} {said}")
+    looks = {thing.active_material.name: tuple(thing.active_material.diffuse_color) for thing in made.values()}
+    say("with_a_material_and_a_color", len(set(looks.values())) == 2, looks)
+    for name, count, faces in (("liver", 24, 52), ("bone", 33, None)):
+        thing = made[name]
+        mesh = bmesh.new()
+        mesh.from_mesh(thing.data)
+        size = mesh.calc_volume(signed=True) / 2.5
+        say(f"{name}_has_the_volume_of_its_voxels", abs(size / count - 1) < 1e-5, f"{size:.6g} voxels of {count}")
+        say(f"{name}_is_closed", all(len(edge.link_faces) % 2 == 0 for edge in mesh.edges), len(mesh.faces))
+        if faces:
+            say(f"{name}_has_the_faces_of_a_cuboid", len(mesh.faces) == faces, len(mesh.faces))
+        mesh.free()
+    found = vertices(made["liver"])
+    # Its lowest corner is that of voxel (5, 2, 1): directions (1, 0, 0), (0, 1, 0), (0.5, 0, 2.5), the center of the
+    # first voxel at (10, 20, 30).
+    want = numpy.array((10 + 4.5 + 0.5 * 0.5, 20 + 1.5, 30 + 0.5 * 2.5))
+    low = found[(found @ (1, 10, 100)).argmin()]
+    say("at_the_corner_of_its_voxels", abs(low - want).max() < 1e-4, f"{low} {want}")
+    refused = press(bpy.ops.isoshade.surface, value=1)
+    say("labels_have_no_surface_at_a_value", "is a label map" in refused, refused)
+
+
+sphere() if kind == "sphere" else labels()
