@@ -38,9 +38,8 @@ static void write_volume(const char *path, iso_type type, size_t changed)
 
 static iso_overview look(const char *path, size_t kept_bytes, size_t slab_bytes, int threads)
 {
-    iso_volume_input input;
+    iso_volume_input input = {0};
     iso_overview s;
-    iso_volume_input_defaults(&input);
     const iso_overview_options opt = {.kept_bytes = kept_bytes,
                                       .slab_bytes = slab_bytes,
                                       .drawn_bins = 512,
@@ -103,7 +102,7 @@ TEST(what_is_no_number_is_refused_with_its_place)
     FREED char *path = iso_path_join(folder, "nan.nrrd");
     OWNED(iso_volume) v;
     iso_volume_sink *sink = NULL;
-    iso_volume_input input;
+    iso_volume_input input = {0};
     iso_overview s;
     const iso_geometry g = iso_geometry_axis_aligned((const size_t[]){NX, NY, NZ}, (const double[]){1, 1, 1});
     assert_ok(iso_volume_create(&v, &g, ISO_F32, "overview", &err));
@@ -111,7 +110,6 @@ TEST(what_is_no_number_is_refused_with_its_place)
     assert_ok(iso_sink_open(path, &v, false, &sink, &err));
     assert_ok(iso_sink_write(sink, NZ, v.data, &err));
     assert_ok(iso_sink_commit(sink, &err));
-    iso_volume_input_defaults(&input);
     const iso_overview_options slabs = {.kept_bytes = 1, .slab_bytes = 2 * NX * NY * sizeof(float)};
     iso_error why = {""};
     assert_int_equal(iso_overview_run(path, &input, &slabs, &s, NULL, &why), ISO_E_RANGE);

@@ -11,7 +11,6 @@
 #ifndef ISO_BAKE_GRIDS_H
 #define ISO_BAKE_GRIDS_H
 
-#include <popt.h>
 
 #include "bake/bake_error.h"
 #include "bake/programs.h"
@@ -26,23 +25,12 @@ typedef enum iso_bake_grid {
 } iso_bake_grid;
 extern const iso_names iso_bake_grid_names;
 
-/* Filled by popt; live until the process ends. 0 and NULL: not given. */
+/* Words of the options. 0 and NULL: not given. */
 typedef struct iso_bake_words {
     char *grids, *unit, *up, *program;
     int points, samples, usd;
     bool lattice_alone; /* True if points and samples may be set without grids or program */
 } iso_bake_words;
-
-/* clang-format off */
-#define ISO_BAKE_OPTIONS(a)                                                                                                        \
-    {"bake", 0, POPT_ARG_STRING, &(a)->grids, 0, "vdb, nanovdb: grids of extinction and color, with the transfer function applied", "density,Cd,..."}, \
-    {"for", 0, POPT_ARG_STRING, &(a)->program, 0, "vdb, nanovdb: target program; sets --bake, --scene-unit, --up, --half, --usd", "PROGRAM"}, \
-    {"scene-unit", 0, POPT_ARG_STRING, &(a)->unit, 0, "vdb, nanovdb, baked: length of one scene unit (mm)", "m|cm|mm|..."},             \
-    {"up", 0, POPT_ARG_STRING, &(a)->up, 0, "vdb, nanovdb, baked: vertical axis of the scene (z)", "z|y"},                             \
-    {"points", 0, POPT_ARG_INT, &(a)->points, 0, "vdb, nanovdb, baked; pbrt, mitsuba: grid points along a voxel's side (1)", "N"},                  \
-    {"supersample", 0, POPT_ARG_INT, &(a)->samples, 0, "vdb, nanovdb, baked; pbrt, mitsuba: averaged samples along a point's cell (2)", "N"},   \
-    {"usd", 0, POPT_ARG_NONE, &(a)->usd, 0, "vdb, baked: also write a .usda with the grids", NULL}
-/* clang-format on */
 
 typedef struct iso_bake_request {
     bool wanted; /* if false, the other fields are unused */

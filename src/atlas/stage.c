@@ -172,7 +172,7 @@ static iso_status take_words(const option_words *w, taken_options *o, iso_error 
 static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_error *err)
 {
     *o = (taken_options){.build = iso_pyramid_defaults(), .render = iso_reference_defaults()};
-    iso_cli_adapted_defaults(&o->adapted);
+    o->adapted = (iso_cli_adapted)ISO_CLI_ADAPTED_DEFAULTS;
     option_words w = {.radius = (int)o->build.gauss_radius,
                       .exponent = (int)o->build.eq1_exponent,
                       .sigma = o->build.gauss_sigma_voxels};

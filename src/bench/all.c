@@ -226,11 +226,13 @@ static void print_row(const json_t *row, const char *other_cause, bool quick)
     if (json_is_number(median))
         snprintf(value, sizeof value, "%.4g", json_number_value(median));
     if (json_is_number(limit) && !quick)
-        snprintf(bar, sizeof bar, "%s %.4g", json_is_true(json_object_get(row, "lower_is_better")) ? "<=" : ">=",
-                 json_number_value(limit));
+        snprintf(bar, sizeof bar, "%s %.4g",
+                 json_is_true(json_object_get(row, "lower_is_better")) ? "<=" : ">=", json_number_value(limit));
     printf("%-17s %9s %-16s %-10s %-7s %s\n", json_string_value(json_object_get(row, "name")), value,
            json_string_value(json_object_get(row, "unit")), bar,
-           json_is_true(met) ? "met" : json_is_false(met) ? "missed" : "",
+           json_is_true(met)    ? "met"
+           : json_is_false(met) ? "missed"
+                                : "",
            json_string_value(json_object_get(row, "sentence")));
     if (cause)
         printf("%-17s %s\n", "", json_string_value(cause));
@@ -318,8 +320,8 @@ static iso_status check_names(char *const *names, iso_error *err)
         for (size_t i = 0; i < iso_headline_count && !found; ++i)
             found = strcmp(*names, iso_headlines[i].name) == 0 ? &iso_headlines[i] : NULL;
         if (!found)
-            return iso_fail(err, ISO_E_USAGE, "--only %s: no figure of that name; bench all --quick --repeat 1 lists them",
-                            *names);
+            return iso_fail(err, ISO_E_USAGE,
+                            "--only %s: no figure of that name; bench all --quick --repeat 1 lists them", *names);
     }
     return ISO_OK;
 }
@@ -344,51 +346,49 @@ static char **split_names(char *names)
     return list;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+typedef struct all_options {
+    all_bench bench;
+    char *only, *output, *page, *beside;
+} all_options;
+
+static const iso_option options[] = {
+    {"only", 0, "measure only these figures (all)", "NAME,...", ISO_IN(all_options, only)},
+    {"repeat", 0, "run each command N times", "N", ISO_IN(all_options, bench.repeats), .flags = ISO_SHOWN, .least = 1,
+     .most = MOST_REPEATS},
+    {"quick", 0, "use small volumes and pictures, to try it out; no bars", NULL, ISO_IN(all_options, bench.quick)},
+    {"beside", 0, "run another isoshade in turn, write its figures to FILE.json", "PROGRAM,FILE.json",
+     ISO_IN(all_options, beside)},
+    {"output", 'o', "write the figures, for bench compare", "FILE.json", ISO_IN(all_options, output)},
+    {"page", 0, "write the figures as a page", "FILE.html", ISO_IN(all_options, page)},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    char *only = NULL, *output = NULL, *page = NULL, *beside = NULL, *other = NULL, *folder = NULL, own[4096];
+    all_options *o = values;
+    all_bench *b = &o->bench;
+    char *other = NULL, *folder = NULL, own[4096];
     const char *beside_output = NULL;
-    all_bench b = {.repeats = 5};
-    struct poptOption options[] = {
-        {"only", 0, POPT_ARG_STRING, &only, 0, "measure only these figures (all)", "NAME,..."},
-        {"repeat", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.repeats, 0, "run each command N times", "N"},
-        {"quick", 0, POPT_ARG_NONE, &b.quick, 0, "use small volumes and pictures, to try it out; no bars", NULL},
-        {"beside", 0, POPT_ARG_STRING, &beside, 0, "run another isoshade in turn, write its figures to FILE.json",
-         "PROGRAM,FILE.json"},
-        {"output", 'o', POPT_ARG_STRING, &output, 0, "write the figures, for bench compare", "FILE.json"},
-        {"page", 0, POPT_ARG_STRING, &page, 0, "write the figures as a page", "FILE.html"},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    b.cli = &cli;
-    const bool goes_on = status == ISO_OK && next == ISO_CLI_RUN;
-    if (goes_on)
-        status = iso_words_check_range("--repeat", b.repeats, 1, MOST_REPEATS, err);
-    if (goes_on && status == ISO_OK && only) {
-        b.only = split_names(only);
-        status = b.only ? check_names(b.only, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = ISO_OK;
+    b->cli = cli;
+    if (o->only) {
+        b->only = split_names(o->only);
+        status = b->only ? check_names(b->only, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     }
-    if (goes_on && status == ISO_OK && beside)
-        status = split_beside(beside, &other, &beside_output, err);
-    if (goes_on && status == ISO_OK) {
+    if (status == ISO_OK && o->beside)
+        status = split_beside(o->beside, &other, &beside_output, err);
+    if (status == ISO_OK) {
         const ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
         own[n > 0 ? n : 0] = 0;
         folder = iso_make_temp_dir();
-        b.programs[OURS] = own;
-        b.programs[OTHER] = other;
-        b.folder = folder;
-        status = folder && n > 0 ? run_all(&b, output, page, beside_output, err) : iso_temp_dir_fail(err);
+        b->programs[OURS] = own;
+        b->programs[OTHER] = other;
+        b->folder = folder;
+        status = folder && n > 0 ? run_all(b, o->output, o->page, beside_output, err) : iso_temp_dir_fail(err);
     }
     if (folder)
         iso_remove_tree(folder);
-    iso_cli_end(&cli);
-    free(b.only);
-    free(only);
-    free(output);
-    free(page);
-    free(beside);
+    free(b->only);
     free(other);
     free(folder);
     return status;
@@ -402,5 +402,6 @@ const iso_command iso_bench_all = {
                "come from one run. If a figure cannot be measured, its cause is listed and the others go on. A\n"
                "missed bar does not change the exit code. --threads is passed to each command.",
     .examples = "  isoshade bench all --quick --repeat 1 --only build-memory\n",
+    ISO_COMMAND_OPTIONS(all_options, options, .bench = {.repeats = 5}),
     .run = run,
 };

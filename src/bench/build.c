@@ -193,8 +193,8 @@ static iso_status time_build(const build_bench *b, const iso_volume *v, build_ti
     t->encode = coded - one;
     t->pyramid = t->total - coded;
     free_buffers(&buffers);
-    TRY(status, time_memcpy((t->bytes_read + t->bytes_written) / 2, b->runs, iso_threads(b->threads), &t->memcpy_build,
-                            err));
+    TRY(status,
+        time_memcpy((t->bytes_read + t->bytes_written) / 2, b->runs, iso_threads(b->threads), &t->memcpy_build, err));
     return status;
 }
 
@@ -335,62 +335,53 @@ static iso_status bench(const iso_cli *cli, build_bench *b, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+typedef struct build_options {
+    build_bench bench;
+    char *size, *type, *scalar, *direction, *code, *files, *volume;
+    int levels, radius, runs;
+} build_options;
+
+static const iso_option options[] = {
+    {"size", 0, "use a volume of this many voxels (256)", "N or NXxNYxNZ", ISO_IN(build_options, size)},
+    {"type", 0, "set the voxels' type (uint16)", "TYPE", ISO_IN(build_options, type)},
+    {"levels", 0, "build N levels, counting the finest", "N", ISO_IN(build_options, levels), .flags = ISO_SHOWN,
+     .least = 1, .most = 32},
+    {"scalar-filter", 0, "as in build", "NAME", ISO_IN(build_options, scalar)},
+    {"direction-filter", 0, "as in build", "NAME", ISO_IN(build_options, direction)},
+    {"gauss-radius", 0, "as in build", "N", ISO_IN(build_options, radius), .flags = ISO_SHOWN, .least = 1, .most = 16},
+    {"code", 0, "as in build", "NAME", ISO_IN(build_options, code)},
+    {"files", 0, "also build from a file to files in this folder", "FOLDER", ISO_IN(build_options, files)},
+    {"volume", 0, "with --files: read this file of any size (default: the volume in memory)", "FILE",
+     ISO_IN(build_options, volume)},
+    {"memory", 0, "with --files: limit the buffers", "MB", ISO_IN(build_options, bench.memory_mb), .flags = ISO_SHOWN,
+     .least = 1, .most = 1e9},
+    {"runs", 0, "run N times; the fastest counts", "N", ISO_IN(build_options, runs), .flags = ISO_SHOWN, .least = 1,
+     .most = 1000},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    char *size = NULL, *type = NULL, *scalar = NULL, *direction = NULL, *code = NULL, *files = NULL, *volume = NULL;
-    build_bench b = {.size = {256, 256, 256}, .type = ISO_U16, .opt = iso_pyramid_defaults(), .memory_mb = 900};
-    int levels = (int)b.opt.level_count, runs = 5, radius = (int)b.opt.gauss_radius;
-    struct poptOption options[] = {
-        {"size", 0, POPT_ARG_STRING, &size, 0, "use a volume of this many voxels (256)", "N or NXxNYxNZ"},
-        {"type", 0, POPT_ARG_STRING, &type, 0, "set the voxels' type (uint16)", "TYPE"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &levels, 0, "build N levels, counting the finest", "N"},
-        {"scalar-filter", 0, POPT_ARG_STRING, &scalar, 0, "as in build", "NAME"},
-        {"direction-filter", 0, POPT_ARG_STRING, &direction, 0, "as in build", "NAME"},
-        {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &radius, 0, "as in build", "N"},
-        {"code", 0, POPT_ARG_STRING, &code, 0, "as in build", "NAME"},
-        {"files", 0, POPT_ARG_STRING, &files, 0, "also build from a file to files in this folder", "FOLDER"},
-        {"volume", 0, POPT_ARG_STRING, &volume, 0,
-         "with --files: read this file of any size (default: the volume in memory)", "FILE"},
-        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.memory_mb, 0, "with --files: limit the buffers",
-         "MB"},
-        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &runs, 0, "run N times; the fastest counts", "N"},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && size)
-        status = iso_words_parse_sizes(size, "--size", b.size, err);
-    if (status == ISO_OK && type)
-        status = iso_type_from_name(type, &b.type, err);
-    if (status == ISO_OK && scalar)
-        status = iso_scalar_filter_from_name(scalar, &b.opt.scalar_filter, err);
-    if (status == ISO_OK && direction)
-        status = iso_direction_filter_from_name(direction, &b.opt.direction_filter, err);
-    if (status == ISO_OK && code)
-        status = iso_code_from_name(code, &b.opt.code, err);
-    TRY(status, iso_words_check_range("--levels", levels, 1, 32, err));
-    TRY(status, iso_words_check_range("--gauss-radius", radius, 1, 16, err));
-    TRY(status, iso_words_check_range("--runs", runs, 1, 1000, err));
-    b.opt.level_count = (size_t)levels;
-    b.opt.gauss_radius = (size_t)radius;
-    b.runs = (size_t)runs;
-    b.files = files;
-    b.volume = volume;
-    TRY(status, iso_words_check_range("--memory", b.memory_mb, 1, 1e9, err));
-    if (status == ISO_OK && volume && !files)
+    build_options *o = values;
+    build_bench *b = &o->bench;
+    iso_status status = o->size ? iso_words_parse_sizes(o->size, "--size", b->size, err) : ISO_OK;
+    b->opt = iso_pyramid_defaults();
+    if (status == ISO_OK && o->type)
+        status = iso_type_from_name(o->type, &b->type, err);
+    if (status == ISO_OK && o->scalar)
+        status = iso_scalar_filter_from_name(o->scalar, &b->opt.scalar_filter, err);
+    if (status == ISO_OK && o->direction)
+        status = iso_direction_filter_from_name(o->direction, &b->opt.direction_filter, err);
+    if (status == ISO_OK && o->code)
+        status = iso_code_from_name(o->code, &b->opt.code, err);
+    if (status == ISO_OK && o->volume && !o->files)
         status = iso_fail(err, ISO_E_USAGE, "--volume needs --files FOLDER");
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = bench(&cli, &b, err);
-    iso_cli_end(&cli);
-    free(size);
-    free(type);
-    free(scalar);
-    free(direction);
-    free(code);
-    free(files);
-    free(volume);
-    return status;
+    b->opt.level_count = (size_t)o->levels;
+    b->opt.gauss_radius = (size_t)o->radius;
+    b->runs = (size_t)o->runs;
+    b->files = o->files;
+    b->volume = o->volume;
+    return status == ISO_OK ? bench(cli, b, err) : status;
 }
 
 const iso_command iso_bench_build = {
@@ -404,5 +395,7 @@ const iso_command iso_bench_build = {
         "seconds that the build waits for files; in memory they are 0. Each build to files runs next to a plain\n"
         "copy: the same bytes read and written with nothing computed. Both end when the bytes are on the disk.",
     .examples = "  isoshade bench build --size 96 --runs 2\n",
+    ISO_COMMAND_OPTIONS(build_options, options, .bench = {.size = {256, 256, 256}, .type = ISO_U16, .memory_mb = 900},
+                        .levels = 4, .radius = 2, .runs = 5),
     .run = run,
 };

@@ -305,10 +305,7 @@ static iso_status bench(const iso_cli *cli, cast_options *opt, iso_error *err)
     char threads[16];
     iso_pyramid p;
     iso_gl *gl;
-    iso_status status = iso_words_check_range("--image", opt->render.image, 1, 8192, err);
-    TRY(status, iso_words_check_range("--rounds", opt->rounds, 1, MOST_ROUNDS, err));
-    TRY(status, iso_words_check_range("--truth", opt->truth, 1, 512, err));
-    TRY(status, choose_width(opt, err));
+    iso_status status = choose_width(opt, err);
     if (status != ISO_OK)
         return status;
     snprintf(threads, sizeof threads, "%d", iso_threads(cli->threads));
@@ -325,31 +322,23 @@ static iso_status bench(const iso_cli *cli, cast_options *opt, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"size", 0, "voxels per side of the synthetic volume", "N", ISO_IN(cast_options, render.size), .flags = ISO_SHOWN},
+    {"image", 0, "pixels per side", "N", ISO_IN(cast_options, render.image), .flags = ISO_SHOWN, .least = 1,
+     .most = 8192},
+    {"truth", 0, "pixels per side of the picture compared with the reference", "N", ISO_IN(cast_options, truth),
+     .flags = ISO_SHOWN, .least = 1, .most = 512},
+    {"step", 0, "set the ray step", "VOXELS", ISO_IN(cast_options, render.step_voxels), .flags = ISO_SHOWN},
+    {"rounds", 0, "draw with both in turn, N times", "N", ISO_IN(cast_options, rounds), .flags = ISO_SHOWN, .least = 1,
+     .most = MOST_ROUNDS},
+    {"width", 0, "use avx512, avx2, baseline or one (the widest available)", "NAME", ISO_IN(cast_options, width)},
+    ISO_OPTIONS_OF(cast_options, render.input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    cast_options opt = {.render = {.size = 256, .image = 512, .step_voxels = 1}, .rounds = 3, .truth = 64};
-    iso_volume_input_defaults(&opt.render.input);
-    struct poptOption options[] = {
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.render.size, 0,
-         "voxels per side of the synthetic volume", "N"},
-        {"image", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.render.image, 0, "pixels per side", "N"},
-        {"truth", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.truth, 0,
-         "pixels per side of the picture compared with the reference", "N"},
-        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.render.step_voxels, 0, "set the ray step",
-         "VOXELS"},
-        {"rounds", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.rounds, 0, "draw with both in turn, N times", "N"},
-        {"width", 0, POPT_ARG_STRING, &opt.width, 0, "use avx512, avx2, baseline or one (the widest available)",
-         "NAME"},
-        ISO_CLI_INPUT_OPTIONS(&opt.render.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = bench(&cli, &opt, err);
-    iso_cli_end(&cli);
-    return status;
+    return bench(cli, values, err);
 }
 
 const iso_command iso_bench_cast = {
@@ -365,5 +354,7 @@ const iso_command iso_bench_cast = {
         "time).",
     .common = "size image truth step rounds width threads spacing",
     .examples = "  isoshade bench cast --size 32 --image 48 --rounds 1 --truth 16\n",
+    ISO_COMMAND_OPTIONS(cast_options, options, .render = {.size = 256, .image = 512, .step_voxels = 1}, .rounds = 3,
+                        .truth = 64),
     .run = run,
 };

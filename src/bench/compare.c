@@ -21,7 +21,7 @@ typedef enum change {
     CHANGE_GONE,    /* it had a value before and has none after */
     CHANGE_COUNT
 } change;
-static const char *const change_words[CHANGE_COUNT] = {"", "worse", "better", "not compared", "another command",
+static const char *const change_words[CHANGE_COUNT] = {"",    "worse", "better", "not compared", "another command",
                                                        "gone"};
 
 /* How many times worse b is than a: above 1 if it is slower or larger. lower, upper: confidence interval of the mean of
@@ -245,30 +245,25 @@ static iso_status compare_answers(const iso_cli *cli, const json_t *a, const jso
     return judge(count, err);
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+typedef struct compare_options {
+    double slack;
+} compare_options;
+
+static const iso_option options[] = {
+    {"slack", 0, "ignore smaller changes, as a fraction", "PART", ISO_IN(compare_options, slack), .flags = ISO_SHOWN,
+     .most = 10},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    double slack = 0.03;
-    struct poptOption options[] = {
-        {"slack", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &slack, 0, "ignore smaller changes, as a fraction",
-         "PART"},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
+    const compare_options *o = values;
     json_t *a = NULL, *b = NULL;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    const bool goes_on = status == ISO_OK && next == ISO_CLI_RUN;
-    if (goes_on)
-        status = iso_words_check_range("--slack", slack, 0, 10, err);
-    if (goes_on && status == ISO_OK)
-        status = load_answer(cli.arguments[0], &a, err);
-    if (goes_on && status == ISO_OK)
-        status = load_answer(cli.arguments[1], &b, err);
-    if (goes_on && status == ISO_OK)
-        status = compare_answers(&cli, a, b, slack, err);
+    iso_status status = load_answer(cli->arguments[0], &a, err);
+    TRY(status, load_answer(cli->arguments[1], &b, err));
+    TRY(status, compare_answers(cli, a, b, o->slack, err));
     json_decref(a);
     json_decref(b);
-    iso_cli_end(&cli);
     return status;
 }
 
@@ -285,5 +280,6 @@ const iso_command iso_bench_compare = {
         "listed with the cause; exit code 1 then, too. Results of different commands are not compared.",
     .examples = "  isoshade bench all --quick --only build-memory --repeat 2 -o a.json\n"
                 "  isoshade bench compare a.json a.json\n",
+    ISO_COMMAND_OPTIONS(compare_options, options, .slack = 0.03),
     .run = run,
 };

@@ -150,13 +150,7 @@ static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso
 {
     iso_pyramid p;
     iso_gl *gl;
-    iso_status status = iso_words_check_range("--size", opt->size, 8, 1024, err);
-    TRY(status, iso_words_check_range("--image", opt->image, 1, 8192, err));
-    TRY(status, iso_words_check_range("--runs", opt->runs, 1, 1000, err));
-    TRY(status, iso_words_check_range("--step", opt->step_voxels, 1e-3, 100, err));
-    if (status == ISO_OK && opt->tf && strcmp(opt->tf, "dense") != 0 && strcmp(opt->tf, "sparse") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--tf is \"%s\", must be dense or sparse", opt->tf);
-    TRY(status, iso_gl_create(&gl, NULL, err));
+    iso_status status = iso_gl_create(&gl, NULL, err);
     if (status != ISO_OK)
         return status;
     iso_gl_time_processor(gl, opt->processor_time);
@@ -169,31 +163,28 @@ static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"size", 0, "voxels per side of the synthetic volume", "N", ISO_IN(bench_render_options, size), .flags = ISO_SHOWN,
+     .least = 8, .most = 1024},
+    {"image", 0, "pixels per side", "N", ISO_IN(bench_render_options, image), .flags = ISO_SHOWN, .least = 1,
+     .most = 8192},
+    {"step", 0, "set the ray step", "VOXELS", ISO_IN(bench_render_options, step_voxels), .flags = ISO_SHOWN,
+     .least = 1e-3, .most = 100},
+    {"runs", 0, "draw each case N times; the least time counts", "N", ISO_IN(bench_render_options, runs),
+     .flags = ISO_SHOWN, .least = 1, .most = 1000},
+    {"tf", 0, "measure only dense or only sparse", "dense|sparse", ISO_IN(bench_render_options, tf),
+     .flags = ISO_ONE_OF},
+    {"processor-time", 0, "measure processor time of all cores, for software GL on a busy machine", NULL,
+     ISO_IN(bench_render_options, processor_time)},
+    {"bricks", 0, "compare bricks of two levels with one texture instead", "VOXELS",
+     ISO_IN(bench_render_options, bricks)},
+    ISO_OPTIONS_OF(bench_render_options, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    bench_render_options opt = {.size = 256, .image = 512, .runs = 3, .step_voxels = 1};
-    iso_volume_input_defaults(&opt.input);
-    struct poptOption options[] = {
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.size, 0, "voxels per side of the synthetic volume",
-         "N"},
-        {"image", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.image, 0, "pixels per side", "N"},
-        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &opt.step_voxels, 0, "set the ray step", "VOXELS"},
-        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &opt.runs, 0,
-         "draw each case N times; the least time counts", "N"},
-        {"tf", 0, POPT_ARG_STRING, &opt.tf, 0, "measure only dense or only sparse", "NAME"},
-        {"processor-time", 0, POPT_ARG_NONE, &opt.processor_time, 0,
-         "measure processor time of all cores, for software GL on a busy machine", NULL},
-        {"bricks", 0, POPT_ARG_INT, &opt.bricks, 0, "compare bricks of two levels with one texture instead", "VOXELS"},
-        ISO_CLI_INPUT_OPTIONS(&opt.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = bench(&cli, &opt, err);
-    iso_cli_end(&cli);
-    return status;
+    return bench(cli, values, err);
 }
 
 const iso_command iso_bench_render = {
@@ -210,5 +201,6 @@ const iso_command iso_bench_render = {
     .common = "size image step runs tf processor-time bricks threads",
     .examples = "  isoshade bench render --size 48 --image 64 --runs 1\n"
                 "  isoshade bench render --size 48 --image 64 --runs 1 --bricks 8\n",
+    ISO_COMMAND_OPTIONS(bench_render_options, options, .size = 256, .image = 512, .runs = 3, .step_voxels = 1),
     .run = run,
 };

@@ -379,53 +379,38 @@ static iso_status run_all(scale_bench *b, const iso_cli *cli, const char *output
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+typedef struct scale_options {
+    scale_bench bench;
+    const char *largest, *of, *format;
+    char *output, *only;
+} scale_options;
+
+static const iso_option options[] = {
+    {"largest", 0, "measure 64^3 up to 128, 256, 512, 1024 or 2048 (2048x2048x1024)", "N",
+     ISO_IN(scale_options, largest), .flags = ISO_SHOWN},
+    {"of", 0, "set the volumes' content, see below", "NAME", ISO_IN(scale_options, of), .flags = ISO_SHOWN},
+    {"only", 0, "measure only build, histogram, render, render-whole, export or plan (all)", "NAME,...",
+     ISO_IN(scale_options, only)},
+    {"repeat", 0, "run commands under 5 seconds N times; the least counts", "N", ISO_IN(scale_options, bench.repeat),
+     .flags = ISO_SHOWN, .least = 1, .most = 100},
+    {"output", 'o', "write the chart and its data", "FOLDER", ISO_IN(scale_options, output)},
+    {"format", 0, "write the chart as svg or pdf", "svg|pdf", ISO_IN(scale_options, format),
+     .flags = ISO_SHOWN | ISO_ONE_OF},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    static char usual_largest[] = "512", svg[] = "svg";
-    static char shells[] = "shells";
-    char *largest = usual_largest, *of = shells, *output = NULL, *only = NULL, *format = svg;
+    scale_options *o = values;
+    scale_bench *b = &o->bench;
     size_t row = 0;
-    scale_bench b = {.repeat = 3};
-    struct poptOption options[] = {
-        {"largest", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &largest, 0,
-         "measure 64^3 up to 128, 256, 512, 1024 or 2048 (2048x2048x1024)", "N"},
-        {"of", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &of, 0, "set the volumes' content, see below", "NAME"},
-        {"only", 0, POPT_ARG_STRING, &only, 0,
-         "measure only build, histogram, render, render-whole, export or plan (all)", "NAME,..."},
-        {"repeat", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.repeat, 0,
-         "run commands under 5 seconds N times; the least counts", "N"},
-        {"output", 'o', POPT_ARG_STRING, &output, 0, "write the chart and its data", "FOLDER"},
-        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &format, 0, "write the chart as svg or pdf",
-         "FORMAT"},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && strcmp(format, "svg") != 0 && strcmp(format, "pdf") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", must be svg or pdf", format);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = count_sizes(largest, &b.count, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--repeat", b.repeat, 1, 100, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_names_find(&content_names, of, &row, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && only)
-        status = check_only(only, err);
-    b.only = only;
-    b.content = &contents[row];
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = run_all(&b, &cli, output, format, err);
-    iso_cli_end(&cli);
-    if (largest != usual_largest)
-        free(largest);
-    if (format != svg)
-        free(format);
-    if (of != shells)
-        free(of);
-    free(output);
-    free(only);
-    return status;
+    iso_status status = count_sizes(o->largest, &b->count, err);
+    TRY(status, iso_names_find(&content_names, o->of, &row, err));
+    if (status == ISO_OK && o->only)
+        status = check_only(o->only, err);
+    b->only = o->only;
+    b->content = &contents[row];
+    return status == ISO_OK ? run_all(b, cli, o->output, o->format, err) : status;
 }
 
 const iso_command iso_bench_scale = {
@@ -442,5 +427,7 @@ const iso_command iso_bench_scale = {
     .examples = "  isoshade bench scale --largest 64\n"
                 "  isoshade bench scale --of grain --largest 128 --only build\n",
     .lists = (const iso_names *const[]){&content_names, NULL},
+    ISO_COMMAND_OPTIONS(scale_options, options, .bench = {.repeat = 3}, .largest = "512", .of = "shells",
+                        .format = "svg"),
     .run = run,
 };

@@ -11,13 +11,6 @@
 
 const size_t iso_chart_palettes[ISO_CHART_PALETTES] = {254, 1022};
 
-const iso_chart_words iso_chart_default_words = {.steps = "4,2,1.5,1,0.75,0.5,0.25,0.125",
-                                                 .quadratures = "midpoint,preintegrated",
-                                                 .filters = "moments,eq1,naive",
-                                                 .estimators = "central,sobel",
-                                                 .tfs = "original,adapted,tf-2d",
-                                                 .plans = "16/255,4/255,1/255"};
-
 char *iso_chart_default_codes(char *text, size_t size)
 {
     const iso_code usual = iso_pyramid_defaults().code;
@@ -143,14 +136,12 @@ const char *iso_chart_default_renderers(char *text, size_t size)
 
 iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g, iso_error *err)
 {
-    const iso_chart_words *usual = &iso_chart_default_words;
     *g = (iso_chart_grid){.step_count = 0};
     bool quadratures[2] = {false}, tfs[3] = {false};
     char word[64], with[256], all_codes[256];
-    const char *filters = words->filters ? words->filters : usual->filters,
-               *estimators = words->estimators ? words->estimators : usual->estimators,
+    const char *filters = words->filters, *estimators = words->estimators,
                *codes = words->codes ? words->codes : iso_chart_default_codes(all_codes, sizeof all_codes),
-               *plans = words->plans ? words->plans : usual->plans;
+               *plans = words->plans;
     const struct {
         const char *list;
         iso_status (*take)(const char *, bool *, iso_error *);
@@ -159,15 +150,15 @@ iso_status iso_chart_grid_parse(const iso_chart_words *words, iso_chart_grid *g,
                  {codes, take_code, g->codes},
                  {filters, take_filter, g->filters},
                  {estimators, take_estimator, g->estimators},
-                 {words->quadratures ? words->quadratures : usual->quadratures, take_quadrature, quadratures},
-                 {words->tfs ? words->tfs : usual->tfs, take_tf, tfs}};
+                 {words->quadratures, take_quadrature, quadratures},
+                 {words->tfs, take_tf, tfs}};
     iso_status status = ISO_OK;
     for (size_t i = 0; i < sizeof lists / sizeof *lists && status == ISO_OK; ++i)
         status = parse_list(lists[i].list, lists[i].take, lists[i].flags, err);
     TRY(status, iso_direction_filter_from_name(first_word(filters, word), &g->first_filter, err));
     TRY(status, iso_gradient_from_name(first_word(estimators, word), &g->first_estimator, err));
     TRY(status, iso_code_from_name(first_word(codes, word), &g->first_code, err));
-    TRY(status, parse_numbers(&steps, words->steps ? words->steps : usual->steps, g->steps, &g->step_count, err));
+    TRY(status, parse_numbers(&steps, words->steps, g->steps, &g->step_count, err));
     if (status == ISO_OK && strcmp(plans, "none") != 0)
         status = parse_numbers(&errors, plans, g->plans, &g->plan_count, err);
     for (size_t r = 0; r < iso_renderer_count() && !words->with; ++r)

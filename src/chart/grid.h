@@ -23,7 +23,11 @@ enum { ISO_CHART_BRICK_VOXELS = 16, ISO_CHART_BRICK_LEVELS = 3 };
 typedef struct iso_chart_words {
     const char *with, *steps, *quadratures, *codes, *filters, *estimators, *tfs, *plans;
 } iso_chart_words;
-extern const iso_chart_words iso_chart_default_words; /* renderers and codes are NULL: see the functions below */
+/* clang-format off */
+#define ISO_CHART_DEFAULT_WORDS /* renderers and codes: see the functions below */ \
+    {.steps = "4,2,1.5,1,0.75,0.5,0.25,0.125", .quadratures = "midpoint,preintegrated", .filters = "moments,eq1,naive", \
+     .estimators = "central,sobel", .tfs = "original,adapted,tf-2d", .plans = "16/255,4/255,1/255"}
+/* clang-format on */
 /* Lists all codes that a texture can filter, the usual code of pyramids first. Returns text. */
 char *iso_chart_default_codes(char *text, size_t size);
 const char *iso_chart_default_renderers(char *text, size_t size);
@@ -66,11 +70,11 @@ typedef struct iso_chart_case {
     iso_render_stats took;
     double stored_bytes; /* of the level in a pyramid on disk, scalars as stored and directions; of a plan's nodes */
     iso_metrics metrics;
-    bool done, kept;     /* kept: measured in an earlier run (chart/kept.h) */
-    bool refused;        /* could not be rendered */
-    bool put_off;        /* tried after settings that may lie on a front (chart/order.h) */
-    char *picture;       /* owned; small picture as a data URI, or NULL */
-    bool on_time_front, on_bytes_front;           /* of its scene */
+    bool done, kept;                    /* kept: measured in an earlier run (chart/kept.h) */
+    bool refused;                       /* could not be rendered */
+    bool put_off;                       /* tried after settings that may lie on a front (chart/order.h) */
+    char *picture;                      /* owned; small picture as a data URI, or NULL */
+    bool on_time_front, on_bytes_front; /* of its scene */
     bool on_renderer_time_front, on_renderer_bytes_front; /* of its scene and renderer */
     size_t number; /* number in the chart, from 1, by falling error; 0: not named there */
 } iso_chart_case;

@@ -119,33 +119,27 @@ static iso_status make_atlas(const iso_cli *cli, const bool *wanted, const char 
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+typedef struct atlas_options {
+    char *output, *cases;
+} atlas_options;
+
+static const iso_option options[] = {
+    {"output", 'o', "folder for the atlas", "DIR", ISO_IN(atlas_options, output)},
+    {"case", 0, "only these cases, such as thin-plates,noise", "LIST", ISO_IN(atlas_options, cases)},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    char *output = NULL, *cases = NULL;
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &output, 0, "folder for the atlas", "DIR"},
-        {"case", 0, POPT_ARG_STRING, &cases, 0, "only these cases, such as thin-plates,noise", "LIST"},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN) {
-        bool *wanted = calloc(iso_atlas_case_count, sizeof *wanted);
-        json_t *root = iso_cli_json(&cli);
-        if (!wanted)
-            status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-        else if (!output)
-            status = iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the atlas");
-        else
-            status = choose(cases, wanted, err);
-        TRY(status, make_atlas(&cli, wanted, output, root, err));
-        json_decref(root);
-        free(wanted);
-    }
-    iso_cli_end(&cli);
-    free(output);
-    free(cases);
+    const atlas_options *o = values;
+    bool *wanted = calloc(iso_atlas_case_count, sizeof *wanted);
+    json_t *root = iso_cli_json(cli);
+    iso_status status = !wanted      ? iso_fail(err, ISO_E_MEMORY, "out of memory")
+                        : !o->output ? iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the atlas")
+                                     : choose(o->cases, wanted, err);
+    TRY(status, make_atlas(cli, wanted, o->output, root, err));
+    json_decref(root);
+    free(wanted);
     return status;
 }
 
@@ -160,5 +154,7 @@ const iso_command iso_command_atlas = {
     .examples = "  isoshade atlas -o atlas\n"
                 "  isoshade atlas --case thin-vessels,noise -o atlas-two\n"
                 "  isoshade render atlas-two/noise.nrrd --scene atlas-two/noise.scene.json -o noise.png\n",
+    .options = options,
+    .options_size = sizeof(atlas_options),
     .run = run,
 };

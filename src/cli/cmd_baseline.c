@@ -49,7 +49,8 @@ static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const
         iso_difference_conclude(d);
         json_object_set_new(d, "worse_count", json_integer((json_int_t)worse));
         json_object_set_new(d, "verdict",
-                            json_string(iso_verdict_word(worse && !a->update ? ISO_VERDICT_DIFFER : ISO_VERDICT_AGREE)));
+                            json_string(
+                                iso_verdict_word(worse && !a->update ? ISO_VERDICT_DIFFER : ISO_VERDICT_AGREE)));
         print(cli, a, d);
     }
     if (status == ISO_OK && worse && !a->update)
@@ -81,25 +82,17 @@ static iso_status baseline(const iso_cli *cli, const baseline_arguments *a, iso_
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"factor", 0, "tolerance for worse, as a multiple of report diff's", "X", ISO_IN(baseline_arguments, factor),
+     .flags = ISO_SHOWN, .least = 1, .most = 1e6},
+    {"update", 0, "accept this report as the new baseline, and print the changes", NULL,
+     ISO_IN(baseline_arguments, update)},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    baseline_arguments a = {.factor = 1};
-    struct poptOption options[] = {
-        {"factor", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.factor, 0,
-         "tolerance for worse, as a multiple of report diff's", "X"},
-        {"update", 0, POPT_ARG_NONE, &a.update, 0, "accept this report as the new baseline, and print the changes",
-         NULL},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--factor", a.factor, 1, 1e6, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = baseline(&cli, &a, err);
-    iso_cli_end(&cli);
-    return status;
+    return baseline(cli, values, err);
 }
 
 const iso_command iso_command_baseline = {
@@ -119,5 +112,6 @@ const iso_command iso_command_baseline = {
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 -o report-base\n"
         "  isoshade baseline report-base accepted.json --update\n"
         "  isoshade baseline report-base accepted.json --factor 10\n",
+    ISO_COMMAND_OPTIONS(baseline_arguments, options, .factor = 1),
     .run = run,
 };

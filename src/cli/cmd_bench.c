@@ -52,7 +52,7 @@ static iso_status run(const iso_command *self, int argc, const char **argv, iso_
     if (!benchmark)
         return iso_fail(err, ISO_E_USAGE, "unknown benchmark \"%s\"%s; isoshade bench --help lists them", argv[1],
                         iso_guess_text(&guess, "", text));
-    return benchmark->run(benchmark, argc - 1, argv + 1, err);
+    return iso_command_run(benchmark, argc - 1, argv + 1, err);
 }
 
 const iso_command iso_command_bench = {
@@ -61,5 +61,5 @@ const iso_command iso_command_bench = {
     .usage = "NAME [options]",
     .details = "Times are wall clock, the shortest of several runs; compare ratios within one run.",
     .examples = "  isoshade bench build --size 64 --runs 1\n",
-    .run = run,
+    .run_words = run,
 };

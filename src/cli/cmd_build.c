@@ -20,6 +20,7 @@
 
 typedef struct build_options {
     char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames, *effort; /* scene: --for */
+    iso_volume_input input;
     iso_cli_look look; /* only its transfer function */
     int is_auto;
     int levels, gauss_radius, eq1_exponent, keep_float, keep_magnitude, resume;
@@ -39,10 +40,7 @@ static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli
                                      iso_error *err)
 {
     *out = iso_pyramid_defaults();
-    iso_status status = iso_words_check_range("--levels", in->levels, 1, 32, err);
-    TRY(status, iso_words_check_range("--gauss-radius", in->gauss_radius, 1, 16, err));
-    TRY(status, iso_words_check_range("--gauss-sigma", in->gauss_sigma, 0.1, 100, err));
-    TRY(status, iso_words_check_range("--eq1-exponent", in->eq1_exponent, 0, 4, err));
+    iso_status status = ISO_OK;
     if (in->is_auto) {
         out->scalar_filter = ISO_SCALAR_DAMPED;
         out->direction_filter = ISO_DIRECTION_AUTO;
@@ -288,8 +286,6 @@ static iso_status build(const build_job *job, iso_error *err)
     char *output = in->output ? strdup(in->output) : default_output(path);
     iso_status status = output ? to_pyramid_options(in, job->cli, &opt, err)
                                : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_words_check_range("--memory", in->memory_mb, 1, 1e9, err));
-    TRY(status, iso_words_check_range("--save-every", in->save_seconds, 0, 1e6, err));
     TRY(status, choose_filter(job, &opt, err));
     TRY(status, in->frames ? build_frames(job, &opt, output, err) : build_one(job, &opt, output, &json, err));
     if (json)
@@ -323,82 +319,60 @@ static iso_status silence_others(iso_error *err)
     return ISO_OK;
 }
 
-static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const char **argv, iso_ranks *ranks,
-                                       iso_error *err)
+static const iso_option options[] = {
+    {"output", 'o', "folder of the pyramid (the input's name with .iso)", "NAME.iso", ISO_IN(build_options, output)},
+    {"levels", 0, "number of levels, including the finest", "N", ISO_IN(build_options, levels), .flags = ISO_SHOWN,
+     .least = 1, .most = 32},
+    {"estimator", 0, "gradient estimator of the list below (central)", "NAME", ISO_IN(build_options, estimator)},
+    {"scalar-filter", 0, "scalar filter of the list below (mean)", "NAME", ISO_IN(build_options, scalar_filter)},
+    {"direction-filter", 0, "direction filter of the list below (moments)", "NAME",
+     ISO_IN(build_options, direction_filter)},
+    {"code", 0, "direction code of the list below (fit)", "NAME", ISO_IN(build_options, code)},
+    {"for", 0, "make coarse levels for this scene, or for the volume's first picture", "SCENE|first",
+     ISO_IN(build_options, scene)},
+    {"effort", 0, "--for: time for optimized levels (normal)", "none|fast|normal|best", ISO_IN(build_options, effort)},
+    {"frames", 0, "build a pyramid of each time step, with one range of values", "all", ISO_IN(build_options, frames)},
+    {"auto", 0, "damped scalars and auto directions, for --adapt --extinction-scale", NULL,
+     ISO_IN(build_options, is_auto)},
+    ISO_OPTIONS_OF(build_options, look, iso_tf_rows),
+    {"gauss-radius", 0, "gauss, eq1: radius of the Gaussian in voxels of the finer level", "N",
+     ISO_IN(build_options, gauss_radius), .flags = ISO_SHOWN, .least = 1, .most = 16},
+    {"gauss-sigma", 0, "gauss, eq1: standard deviation of the Gaussian", "VOXELS", ISO_IN(build_options, gauss_sigma),
+     .flags = ISO_SHOWN, .least = 0.1, .most = 100},
+    {"eq1-exponent", 0, "eq1: exponent of the gradient magnitude in the weights", "P",
+     ISO_IN(build_options, eq1_exponent), .flags = ISO_SHOWN, .most = 4},
+    {"keep-float", 0, "also store the directions as floats", NULL, ISO_IN(build_options, keep_float)},
+    {"keep-magnitude", 0, "also store the gradient magnitudes", NULL, ISO_IN(build_options, keep_magnitude)},
+    {"memory", 0, "limit of the memory for buffers", "MB", ISO_IN(build_options, memory_mb), .flags = ISO_SHOWN,
+     .least = 1, .most = 1e9},
+    {"resume", 0, "resume a killed build of the same volume and options", NULL, ISO_IN(build_options, resume)},
+    {"save-every", 0, "seconds between saved states for --resume; 0: after each slab", "SECONDS",
+     ISO_IN(build_options, save_seconds), .flags = ISO_SHOWN, .most = 1e6},
+    ISO_OPTIONS_OF(build_options, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    const iso_pyramid_options defaults = iso_pyramid_defaults();
-    build_options in = {.levels = (int)defaults.level_count,
-                        .gauss_radius = (int)defaults.gauss_radius,
-                        .eq1_exponent = (int)defaults.eq1_exponent,
-                        .gauss_sigma = defaults.gauss_sigma_voxels,
-                        .memory_mb = 900,
-                        .save_seconds = ISO_STREAM_SAVE_SECONDS};
-    iso_volume_input input;
-    iso_volume_input_defaults(&input);
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &in.output, 0, "folder of the pyramid (the input's name with .iso)",
-         "NAME.iso"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.levels, 0, "number of levels, including the finest",
-         "N"},
-        {"estimator", 0, POPT_ARG_STRING, &in.estimator, 0, "gradient estimator of the list below (central)", "NAME"},
-        {"scalar-filter", 0, POPT_ARG_STRING, &in.scalar_filter, 0, "scalar filter of the list below (mean)", "NAME"},
-        {"direction-filter", 0, POPT_ARG_STRING, &in.direction_filter, 0,
-         "direction filter of the list below (moments)", "NAME"},
-        {"code", 0, POPT_ARG_STRING, &in.code, 0, "direction code of the list below (fit)", "NAME"},
-        {"for", 0, POPT_ARG_STRING, &in.scene, 0,
-         "make coarse levels for this scene, or for the volume's first picture", "SCENE|first"},
-        {"effort", 0, POPT_ARG_STRING, &in.effort, 0, "--for: time for optimized levels (normal)",
-         "none|fast|normal|best"},
-        {"frames", 0, POPT_ARG_STRING, &in.frames, 0, "build a pyramid of each time step, with one range of values",
-         "all"},
-        {"auto", 0, POPT_ARG_NONE, &in.is_auto, 0, "damped scalars and auto directions, for --adapt --extinction-scale",
-         NULL},
-        ISO_CLI_TF_OPTIONS(&in.look),
-        {"gauss-radius", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_radius, 0,
-         "gauss, eq1: radius of the Gaussian in voxels of the finer level", "N"},
-        {"gauss-sigma", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.gauss_sigma, 0,
-         "gauss, eq1: standard deviation of the Gaussian", "VOXELS"},
-        {"eq1-exponent", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &in.eq1_exponent, 0,
-         "eq1: exponent of the gradient magnitude in the weights", "P"},
-        {"keep-float", 0, POPT_ARG_NONE, &in.keep_float, 0, "also store the directions as floats", NULL},
-        {"keep-magnitude", 0, POPT_ARG_NONE, &in.keep_magnitude, 0, "also store the gradient magnitudes", NULL},
-        {"memory", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.memory_mb, 0, "limit of the memory for buffers",
-         "MB"},
-        {"resume", 0, POPT_ARG_NONE, &in.resume, 0, "resume a killed build of the same volume and options", NULL},
-        {"save-every", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &in.save_seconds, 0,
-         "seconds between saved states for --resume; 0: after each slab", "SECONDS"},
-        ISO_CLI_INPUT_OPTIONS(&input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    cli.quiet = cli.quiet || iso_ranks_is_other();
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = check_frames(&in, &input, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = build_any(&(build_job){&cli, &input, &in, ranks}, err);
-    iso_cli_end(&cli);
-    free(in.output);
-    free(in.estimator);
-    free(in.scalar_filter);
-    free(in.direction_filter);
-    free(in.code);
-    free(in.scene);
-    free(in.frames);
-    free(in.effort);
+    build_options *in = values;
+    iso_cli of_rank = *cli;
+    iso_ranks *ranks = NULL;
+    of_rank.quiet = cli->quiet || iso_ranks_is_other();
+    iso_status status = iso_ranks_open(&ranks, err);
+    TRY(status, check_frames(in, &in->input, err));
+    TRY(status, build_any(&(build_job){&of_rank, &in->input, in, ranks}, err));
+    iso_ranks_close(ranks);
     return status;
 }
 
 /* Returns an error on rank 0 only: mpirun ends all ranks when one fails, perhaps before rank 0 has reported the
  * reason. */
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    iso_ranks *ranks = NULL;
+    iso_command alone = *self;
+    alone.run_words = NULL;
     iso_status status = silence_others(err);
-    TRY(status, iso_ranks_open(&ranks, err));
-    TRY(status, run_alone_or_as_rank(self, argc, argv, ranks, err));
-    iso_ranks_close(ranks);
+    TRY(status, iso_command_run(&alone, argc, argv, err));
     return iso_ranks_is_other() ? ISO_OK : status;
 }
 
@@ -440,5 +414,8 @@ const iso_command iso_command_build = {
                 "  isoshade build v.nrrd -o auto.iso --auto --levels 3\n",
     .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names,
                                         &iso_code_names, &iso_tf_preset_names, NULL},
+    ISO_COMMAND_OPTIONS(build_options, options, .levels = 4, .gauss_radius = 2, .eq1_exponent = 1, .gauss_sigma = 1,
+                        .memory_mb = 900, .save_seconds = ISO_STREAM_SAVE_SECONDS),
     .run = run,
+    .run_words = run_alone_or_as_rank,
 };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_chart.c - charts speed against accuracy: measures a grid of settings, and finds the front and the cheapest
  * one. */
+#define _GNU_SOURCE
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,98 +13,81 @@
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 #include "renderers/external.h"
+#include "cli/renderer_help.h"
 
 static iso_status check(iso_chart_arguments *a, iso_error *err)
 {
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the chart");
     iso_status status = iso_renderers_load(a->renderers, err);
-    TRY(status, iso_words_check_range("--levels", a->level_count, 1, ISO_CHART_MAX_LEVELS, err));
-    TRY(status, iso_words_check_range("--budget", a->budget_seconds, 0, 1e6, err));
     if (status == ISO_OK && a->want_text)
         status = iso_words_parse_error("--want", a->want_text, &a->want, err);
     if (status == ISO_OK && a->metric_text)
         status = iso_chart_metric_from_name(a->metric_text, &a->metric, err);
-    if (status == ISO_OK && a->bytes_text) {
-        a->bytes = strcmp(a->bytes_text, "stored") == 0 ? ISO_CHART_STORED : ISO_CHART_DEVICE;
-        if (a->bytes == ISO_CHART_DEVICE && strcmp(a->bytes_text, "device") != 0)
-            status = iso_fail(err, ISO_E_USAGE, "--bytes is \"%s\", must be device or stored", a->bytes_text);
-    }
+    a->bytes = a->bytes_text && strcmp(a->bytes_text, "stored") == 0 ? ISO_CHART_STORED : ISO_CHART_DEVICE;
     return status;
 }
 
-/* Writes "words (default: LIST)" for --help. Returns text. */
-static const char *with_default(char *text, size_t size, const char *words, const char *list)
+/* Add the default to the text for --help; to be freed. */
+static char *describe_with(const iso_option *option)
 {
-    snprintf(text, size, "%s (default: %s)", words, list);
-    return text;
+    char names[256], *text;
+    iso_chart_default_renderers(names, sizeof names);
+    return asprintf(&text, "%s (default: %s)", option->help, names) < 0 ? NULL : text;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static char *describe_codes(const iso_option *option)
 {
-    iso_chart_arguments a = {.level_count = 3, .budget_seconds = 120};
-    const iso_chart_words *usual = &iso_chart_default_words;
-    char help[8][256], codes[200], renderers[256], quadratures[128], plans[200], names[100];
-    snprintf(quadratures, sizeof quadratures, "of %s",
-             iso_renderers_with(ISO_READS_QUADRATURE, ", ", " and ", names, sizeof names));
-    snprintf(plans, sizeof plans, "%s: bricks of mixed resolution for these predicted errors; or none",
-             iso_renderers_with(ISO_HAS_BRICKS, ", ", " and ", names, sizeof names));
-    iso_volume_input_defaults(&a.input);
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "folder for the chart", "DIR"},
-        ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"want", 0, POPT_ARG_STRING, &a.want_text, 0,
-         "print commands of the fastest and smallest setting within this error", "1/255"},
-        {"metric", 0, POPT_ARG_STRING, &a.metric_text, 0,
-         "error measure: rmse (default), flip (mean), or ssim (1 - SSIM)", "METRIC"},
-        {"bytes", 0, POPT_ARG_STRING, &a.bytes_text, 0,
-         "device (default): memory of the renderer; or stored: size of the files", "WHICH"},
-        {"budget", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &a.budget_seconds, 0,
-         "time limit of the whole run; 0: none, measures the whole grid", "SECONDS"},
-        {"with", 0, POPT_ARG_STRING, &a.words.with, 0,
-         with_default(help[0], sizeof *help, "renderers, or reference; missing default ones are left out",
-                      iso_chart_default_renderers(renderers, sizeof renderers)),
-         "LIST"},
-        ISO_CLI_RENDERERS_OPTION(&a.renderers),
-        {"steps", 0, POPT_ARG_STRING, &a.words.steps, 0,
-         with_default(help[1], sizeof *help, "ray steps in voxels of the level", usual->steps), "LIST"},
-        {"quadratures", 0, POPT_ARG_STRING, &a.words.quadratures, 0,
-         with_default(help[2], sizeof *help, quadratures, usual->quadratures), "LIST"},
-        {"estimators", 0, POPT_ARG_STRING, &a.words.estimators, 0,
-         with_default(help[3], sizeof *help, "gradient estimators for a volume; the reference uses the first",
-                      usual->estimators),
-         "LIST"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
-         "number of levels of a volume, including the finest", "N"},
-        {"filters", 0, POPT_ARG_STRING, &a.words.filters, 0,
-         with_default(help[4], sizeof *help, "direction filters for a volume's coarse levels", usual->filters), "LIST"},
-        {"codes", 0, POPT_ARG_STRING, &a.words.codes, 0,
-         with_default(help[5], sizeof *help, "direction codes", iso_chart_default_codes(codes, sizeof codes)), "LIST"},
-        {"tfs", 0, POPT_ARG_STRING, &a.words.tfs, 0,
-         with_default(help[6], sizeof *help,
-                      "transfer functions of coarse levels: the scene's, adapted, or adapted 2D ones", usual->tfs),
-         "LIST"},
-        {"plans", 0, POPT_ARG_STRING, &a.words.plans, 0, with_default(help[7], sizeof *help, plans, usual->plans),
-         "LIST"},
-        {"processor-time", 0, POPT_ARG_NONE, &a.processor_time, 0,
-         "measure processor time over all cores: for software GL on a busy machine", NULL},
-        {"resume", 0, POPT_ARG_NONE, &a.resume, 0,
-         "continue from the measurements of an earlier chart of the same scenes", NULL},
-        {"viewer", 0, POPT_ARG_NONE, &a.viewer, 0, "write a viewer page per scene, to which settings link", NULL},
-        {"style", 0, POPT_ARG_STRING, &a.style, 0, "gnuplot settings to use instead of the built-in style.gp",
-         "STYLE.gp"},
-        ISO_CLI_INPUT_OPTIONS(&a.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = check(&a, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_chart(&a, &cli, err);
-    iso_cli_end(&cli);
-    return status;
+    char names[256], *text;
+    iso_chart_default_codes(names, sizeof names);
+    return asprintf(&text, "%s (default: %s)", option->help, names) < 0 ? NULL : text;
+}
+
+static const iso_option options[] = {
+    {"output", 'o', "folder for the chart", "DIR", ISO_IN(iso_chart_arguments, output)},
+    ISO_OPTIONS_OF(iso_chart_arguments, look, iso_look_rows),
+    {"want", 0, "print commands of the fastest and smallest setting within this error", "1/255",
+     ISO_IN(iso_chart_arguments, want_text)},
+    {"metric", 0, "error measure: rmse (default), flip (mean), or ssim (1 - SSIM)", "METRIC",
+     ISO_IN(iso_chart_arguments, metric_text)},
+    {"bytes", 0, "device (default): memory of the renderer; or stored: size of the files", "device|stored",
+     ISO_IN(iso_chart_arguments, bytes_text), .flags = ISO_ONE_OF},
+    {"budget", 0, "time limit of the whole run; 0: none, measures the whole grid", "SECONDS",
+     ISO_IN(iso_chart_arguments, budget_seconds), .flags = ISO_SHOWN, .most = 1e6},
+    {"with", 0, "renderers, or reference; missing default ones are left out", "LIST",
+     ISO_IN(iso_chart_arguments, words.with), .describe = describe_with},
+    ISO_CLI_RENDERERS_OPTION(iso_chart_arguments, renderers),
+    {"steps", 0, "ray steps in voxels of the level", "LIST", ISO_IN(iso_chart_arguments, words.steps),
+     .flags = ISO_SHOWN},
+    {"quadratures", 0, "of %s", "LIST", ISO_IN(iso_chart_arguments, words.quadratures), .flags = ISO_SHOWN,
+     ISO_NAMES_RENDERERS(ISO_READS_QUADRATURE)},
+    {"estimators", 0, "gradient estimators for a volume; the reference uses the first", "LIST",
+     ISO_IN(iso_chart_arguments, words.estimators), .flags = ISO_SHOWN},
+    {"levels", 0, "number of levels of a volume, including the finest", "N", ISO_IN(iso_chart_arguments, level_count),
+     .flags = ISO_SHOWN, .least = 1, .most = ISO_CHART_MAX_LEVELS},
+    {"filters", 0, "direction filters for a volume's coarse levels", "LIST", ISO_IN(iso_chart_arguments, words.filters),
+     .flags = ISO_SHOWN},
+    {"codes", 0, "direction codes", "LIST", ISO_IN(iso_chart_arguments, words.codes), .describe = describe_codes},
+    {"tfs", 0, "transfer functions of coarse levels: the scene's, adapted, or adapted 2D ones", "LIST",
+     ISO_IN(iso_chart_arguments, words.tfs), .flags = ISO_SHOWN},
+    {"plans", 0, "%s: bricks of mixed resolution for these predicted errors; or none", "LIST",
+     ISO_IN(iso_chart_arguments, words.plans), .flags = ISO_SHOWN, ISO_NAMES_RENDERERS(ISO_HAS_BRICKS)},
+    {"processor-time", 0, "measure processor time over all cores: for software GL on a busy machine", NULL,
+     ISO_IN(iso_chart_arguments, processor_time)},
+    {"resume", 0, "continue from the measurements of an earlier chart of the same scenes", NULL,
+     ISO_IN(iso_chart_arguments, resume)},
+    {"viewer", 0, "write a viewer page per scene, to which settings link", NULL, ISO_IN(iso_chart_arguments, viewer)},
+    {"style", 0, "gnuplot settings to use instead of the built-in style.gp", "STYLE.gp",
+     ISO_IN(iso_chart_arguments, style)},
+    ISO_OPTIONS_OF(iso_chart_arguments, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
+{
+    iso_chart_arguments *a = values;
+    const iso_status status = check(a, err);
+    return status == ISO_OK ? iso_cli_chart(a, cli, err) : status;
 }
 
 const iso_command iso_command_chart = {
@@ -137,5 +121,7 @@ const iso_command iso_command_chart = {
         "  isoshade chart ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 32 --with gl --levels 2 --steps 1,0.5 --metric flip --budget 10 --json -o chart2\n",
     .lists = (const iso_names *const[]){&iso_code_names, &iso_direction_filter_names, &iso_gradient_names,
                                         &iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    ISO_COMMAND_OPTIONS(iso_chart_arguments, options, .words = ISO_CHART_DEFAULT_WORDS, .level_count = 3,
+                        .budget_seconds = 120),
     .run = run,
 };

@@ -204,44 +204,31 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
     return agree ? ISO_OK : ISO_E_DIFFERS;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"max-rmse", 0, "largest allowed root mean square difference", "X", ISO_IN(compare_options, tolerances.rmse)},
+    {"max-abs", 0, "largest allowed difference of any channel", "X", ISO_IN(compare_options, tolerances.max_abs)},
+    {"max-p99", 0, "largest allowed difference of 99 % of the pixels", "X",
+     ISO_IN(compare_options, tolerances.p99_abs)},
+    {"max-dissimilarity", 0, "largest allowed 1 - SSIM", "X", ISO_IN(compare_options, tolerances.ssim_dissimilarity)},
+    {"max-flip", 0, "largest allowed mean FLIP", "X", ISO_IN(compare_options, tolerances.flip_mean)},
+    {"difference", 'd', "write a picture of |a - b|", "OUT.png", ISO_IN(compare_options, difference)},
+    {"scale", 0, "factor for that picture; 0: the largest difference is white", "X", ISO_IN(compare_options, scale),
+     .most = 1e30},
+    {"flip-map", 0, "write the FLIP map: values as .exr, or gray as .png", "OUT", ISO_IN(compare_options, flip_map)},
+    {"hdr", 0, "also measure and map HDR-FLIP, with A as reference", NULL, ISO_IN(compare_options, hdr)},
+    {"part", 0, "part of a multipart OpenEXR file", "NAME|N", ISO_IN(compare_options, part)},
+    {"layer", 0, "layer of an OpenEXR file", "NAME", ISO_IN(compare_options, layer)},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    compare_options opt = {.tolerances = {-INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY}};
-    struct poptOption options[] = {
-        {"max-rmse", 0, POPT_ARG_DOUBLE, &opt.tolerances.rmse, 0, "largest allowed root mean square difference", "X"},
-        {"max-abs", 0, POPT_ARG_DOUBLE, &opt.tolerances.max_abs, 0, "largest allowed difference of any channel", "X"},
-        {"max-p99", 0, POPT_ARG_DOUBLE, &opt.tolerances.p99_abs, 0, "largest allowed difference of 99 % of the pixels",
-         "X"},
-        {"max-dissimilarity", 0, POPT_ARG_DOUBLE, &opt.tolerances.ssim_dissimilarity, 0, "largest allowed 1 - SSIM",
-         "X"},
-        {"max-flip", 0, POPT_ARG_DOUBLE, &opt.tolerances.flip_mean, 0, "largest allowed mean FLIP", "X"},
-        {"difference", 'd', POPT_ARG_STRING, &opt.difference, 0, "write a picture of |a - b|", "OUT.png"},
-        {"scale", 0, POPT_ARG_DOUBLE, &opt.scale, 0, "factor for that picture; 0: the largest difference is white",
-         "X"},
-        {"flip-map", 0, POPT_ARG_STRING, &opt.flip_map, 0, "write the FLIP map: values as .exr, or gray as .png",
-         "OUT"},
-        {"hdr", 0, POPT_ARG_NONE, &opt.hdr, 0, "also measure and map HDR-FLIP, with A as reference", NULL},
-        {"part", 0, POPT_ARG_STRING, &opt.part, 0, "part of a multipart OpenEXR file", "NAME|N"},
-        {"layer", 0, POPT_ARG_STRING, &opt.layer, 0, "layer of an OpenEXR file", "NAME"},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
+    compare_options *opt = values;
     iso_image images[3] = {{0}};
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = check_tolerances(&opt.tolerances, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--scale", opt.scale, 0, 1e30, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = compare(&cli, &opt, images, err);
+    iso_status status = check_tolerances(&opt->tolerances, err);
+    TRY(status, compare(cli, opt, images, err));
     for (int i = 0; i < 3; ++i)
         iso_image_destroy(&images[i]);
-    free(opt.difference);
-    free(opt.flip_map);
-    free(opt.part);
-    free(opt.layer);
-    iso_cli_end(&cli);
     return status;
 }
 
@@ -266,5 +253,7 @@ const iso_command iso_command_compare = {
         "  isoshade render v.nrrd --scene refscenes/shells.scene.json --size 48 --with reference --quadrature midpoint -o b.exr\n"
         "  isoshade compare a.exr b.exr --max-rmse 1e-6 --max-abs 2e-5\n"
         "  isoshade compare a.exr b.exr --max-flip 0.01 --difference difference.png --json\n",
+    ISO_COMMAND_OPTIONS(compare_options, options,
+                        .tolerances = {-INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY}),
     .run = run,
 };

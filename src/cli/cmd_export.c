@@ -72,11 +72,7 @@ static iso_status load(iso_export_arguments *a, const iso_export_target *target,
                                : iso_subject_load_pyramid(path, &a->input, &build, progress, p, err);
     TRY(status, iso_pyramid_check_level(p, path, (size_t)(a->level + a->level_count - 1), err));
     if (status == ISO_OK && (a->plan || a->roi.box || a->isosurface))
-        status = iso_subject_refuse_labels(p, path,
-                                           a->plan      ? "--plan"
-                                           : a->roi.box ? "--roi"
-                                                        : "--isosurface",
-                                           err);
+        status = iso_subject_refuse_labels(p, path, a->plan ? "--plan" : a->roi.box ? "--roi" : "--isosurface", err);
     if (narrow)
         *view = sight.view;
     else if (status == ISO_OK && wants_view)
@@ -128,8 +124,8 @@ static iso_export_job job_of(iso_export_arguments *a, const iso_export_target *t
 }
 
 /* Loads a plan, whose nodes are made from level 0, or from the volume's samples if level 0 has no scalars. */
-static iso_status load_plan(const iso_export_arguments *a, const iso_pyramid *p, const iso_volume *v, const iso_view *view,
-                            iso_planned *planned, iso_error *err)
+static iso_status load_plan(const iso_export_arguments *a, const iso_pyramid *p, const iso_volume *v,
+                            const iso_view *view, iso_planned *planned, iso_error *err)
 {
     iso_level level0 = p->levels[0];
     if (!level0.scalar)
@@ -317,72 +313,79 @@ static iso_status make_bake_request(iso_export_arguments *a, iso_error *err)
     return iso_bake_request_make(&a->bake_words, a->half, &a->bake, err);
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option bake_options[] = {
+    {"bake", 0, "vdb, nanovdb: grids of extinction and color, with the transfer function applied", "density,Cd,...",
+     ISO_IN(iso_bake_words, grids)},
+    {"for", 0, "vdb, nanovdb: target program; sets --bake, --scene-unit, --up, --half, --usd", "PROGRAM",
+     ISO_IN(iso_bake_words, program)},
+    {"scene-unit", 0, "vdb, nanovdb, baked: length of one scene unit (mm)", "m|cm|mm|...",
+     ISO_IN(iso_bake_words, unit)},
+    {"up", 0, "vdb, nanovdb, baked: vertical axis of the scene (z)", "z|y", ISO_IN(iso_bake_words, up)},
+    {"points", 0, "vdb, nanovdb, baked; pbrt, mitsuba: grid points along a voxel's side (1)", "N",
+     ISO_IN(iso_bake_words, points)},
+    {"supersample", 0, "vdb, nanovdb, baked; pbrt, mitsuba: averaged samples along a point's cell (2)", "N",
+     ISO_IN(iso_bake_words, samples)},
+    {"usd", 0, "vdb, baked: also write a .usda with the grids", NULL, ISO_IN(iso_bake_words, usd)},
+    ISO_OPTIONS_END,
+};
+
+static const iso_option options[] = {
+    {"to", 0, "export target of the list below", "TARGET", ISO_IN(iso_export_arguments, to)},
+    {"output", 'o', "NAME.vdb, NAME.nvdb, NAME.blend, or a folder for other targets", "PATH",
+     ISO_IN(iso_export_arguments, output)},
+    ISO_OPTIONS_OF(iso_export_arguments, look, iso_look_rows),
+    {"level", 0, "level of the pyramid; 0 is the finest", "K", ISO_IN(iso_export_arguments, level), .flags = ISO_SHOWN,
+     .most = 63},
+    {"levels", 0, "vdb, nanovdb, blender: number of levels from K on in one file", "N",
+     ISO_IN(iso_export_arguments, level_count), .flags = ISO_SHOWN, .least = 1, .most = 32},
+    {"frames", 0, "export all frames of a series, with one range and transfer function", "all",
+     ISO_IN(iso_export_arguments, frames)},
+    {"add", 0, "blender: add a volume with its transfer function (suggested); repeatable", "VOLUME[,TF]",
+     ISO_IN(iso_export_arguments, added)},
+    {"channels", 0, "blender: export channels as volumes of one scene, in different colors", "all|LIST",
+     ISO_IN(iso_export_arguments, channels)},
+    {"step", 0, "blender, povray: ray step in voxels of the level (the scene's)", "STEP",
+     ISO_IN(iso_export_arguments, step), .least = 1e-3, .most = 16},
+    {"isosurface", 0, "povray: export the surface of this value instead of the volume", "VALUE",
+     ISO_IN(iso_export_arguments, isosurface)},
+    {"plan", 0, "export only the bricks of this plan, with its --scene", "PLAN.json",
+     ISO_IN(iso_export_arguments, plan)},
+    {"grids", 0, "vdb, nanovdb with --plan: merged (default) grid, or one per level: levels", "merged|levels",
+     ISO_IN(iso_export_arguments, grids), .flags = ISO_ONE_OF},
+    {"force", 0, "replace changed or foreign files, kept as NAME.blend1 and so on", NULL,
+     ISO_IN(iso_export_arguments, force)},
+    {"material", 0, "blender: material that the file opens with", "MATERIAL", ISO_IN(iso_export_arguments, material)},
+    ISO_CLI_CYCLES_OPTIONS(iso_export_arguments, cycles, "blender: Blender program to use, a path or a name in PATH",
+                           "PROGRAM"),
+    {"half", 0, "vdb, blender: write half floats, smaller and less exact", NULL, ISO_IN(iso_export_arguments, half)},
+    {"dense", 0, "vdb, nanovdb, blender: keep invisible voxels, to edit the transfer function later", NULL,
+     ISO_IN(iso_export_arguments, dense)},
+    {"background", 0, "vdb, nanovdb: value of omitted voxels; without a scene omits these", "VALUE",
+     ISO_IN(iso_export_arguments, background_text)},
+    ISO_OPTIONS_OF(iso_export_arguments, bake_words, bake_options),
+    ISO_OPTIONS_OF(iso_export_arguments, adapted, iso_adapted_rows),
+    ISO_OPTIONS_OF(iso_export_arguments, roi, iso_roi_rows),
+    ISO_OPTIONS_OF(iso_export_arguments, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    iso_export_arguments a = {.level_count = 1, .step = ISO_STEP_OF_SCENE};
-    iso_cli_cycles cycles = {.blender = NULL};
-    iso_volume_input_defaults(&a.input);
-    iso_cli_adapted_defaults(&a.adapted);
-    iso_cli_roi_defaults(&a.roi);
-    struct poptOption options[] = {
-        {"to", 0, POPT_ARG_STRING, &a.to, 0, "export target of the list below", "TARGET"},
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "NAME.vdb, NAME.nvdb, NAME.blend, or a folder for other targets",
-         "PATH"},
-        ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid; 0 is the finest",
-         "K"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
-         "vdb, nanovdb, blender: number of levels from K on in one file", "N"},
-        {"frames", 0, POPT_ARG_STRING, &a.frames, 0,
-         "export all frames of a series, with one range and transfer function", "all"},
-        {"add", 0, POPT_ARG_ARGV, &a.added, 0,
-         "blender: add a volume with its transfer function (suggested); repeatable", "VOLUME[,TF]"},
-        {"channels", 0, POPT_ARG_STRING, &a.channels, 0,
-         "blender: export channels as volumes of one scene, in different colors", "all|LIST"},
-        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0, "blender, povray: ray step in voxels of the level (the scene's)",
-         "STEP"},
-        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0,
-         "povray: export the surface of this value instead of the volume", "VALUE"},
-        {"plan", 0, POPT_ARG_STRING, &a.plan, 0, "export only the bricks of this plan, with its --scene", "PLAN.json"},
-        {"grids", 0, POPT_ARG_STRING, &a.grids, 0,
-         "vdb, nanovdb with --plan: merged (default) grid, or one per level: levels", "GRIDS"},
-        {"force", 0, POPT_ARG_NONE, &a.force, 0, "replace changed or foreign files, kept as NAME.blend1 and so on",
-         NULL},
-        {"material", 0, POPT_ARG_STRING, &a.material, 0, "blender: material that the file opens with", "MATERIAL"},
-        ISO_CLI_CYCLES_OPTIONS(&cycles, "blender: Blender program to use, a path or a name in PATH", "PROGRAM"),
-        {"half", 0, POPT_ARG_NONE, &a.half, 0, "vdb, blender: write half floats, smaller and less exact", NULL},
-        {"dense", 0, POPT_ARG_NONE, &a.dense, 0,
-         "vdb, nanovdb, blender: keep invisible voxels, to edit the transfer function later", NULL},
-        {"background", 0, POPT_ARG_STRING, &a.background_text, 0,
-         "vdb, nanovdb: value of omitted voxels; without a scene omits these", "VALUE"},
-        ISO_BAKE_OPTIONS(&a.bake_words),
-        ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
-        ISO_CLI_ROI_OPTIONS(&a.roi),
-        ISO_CLI_INPUT_OPTIONS(&a.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    a.cli = &cli;
-    a.adapted.cli = &cli;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_take_cycles(&cycles, NULL, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && a.background_text) {
+    iso_export_arguments *a = values;
+    a->cli = cli;
+    a->adapted.cli = cli;
+    iso_status status = iso_cli_take_cycles(&a->cycles, NULL, err);
+    if (status == ISO_OK && a->background_text) {
         double numbers[3] = {0};
-        status = iso_words_parse_numbers(a.background_text, "--background", numbers, err);
-        a.background = numbers[0];
-        a.has_background = true;
+        status = iso_words_parse_numbers(a->background_text, "--background", numbers, err);
+        a->background = numbers[0];
+        a->has_background = true;
     }
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = make_bake_request(&a, err);
-    a.bake.error_pixels = a.look.size ? 0 : a.bake.error_pixels;
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = a.added || a.channels ? export_volumes(&a, err)
-                 : a.frames            ? export_series(&a, err)
-                                       : export_it(&a, err);
-    iso_cli_end(&cli);
-    return status;
+    TRY(status, make_bake_request(a, err));
+    a->bake.error_pixels = a->look.size ? 0 : a->bake.error_pixels;
+    if (status != ISO_OK)
+        return status;
+    return a->added || a->channels ? export_volumes(a, err) : a->frames ? export_series(a, err) : export_it(a, err);
 }
 
 const iso_command iso_command_export = {
@@ -432,5 +435,7 @@ const iso_command iso_command_export = {
         "  isoshade export shells.nrrd --to vdb --plan shells.plan.json --scene refscenes/shells.scene.json -o planned.vdb\n",
     .lists = (const iso_names *const[]){&iso_export_target_names, &iso_blender_material_names, &iso_bake_grid_names,
                                         &iso_grid_program_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    ISO_COMMAND_OPTIONS(iso_export_arguments, options, .level_count = 1, .step = ISO_STEP_OF_SCENE,
+                        .adapted = ISO_CLI_ADAPTED_DEFAULTS, .roi = ISO_CLI_ROI_DEFAULTS),
     .run = run,
 };

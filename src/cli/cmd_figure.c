@@ -49,8 +49,9 @@ static iso_status parse_background(const char *text, iso_figure_job *job, iso_er
 
 static iso_status take_names(figure_arguments *a, iso_error *err)
 {
-    iso_status status = iso_figure_kind_from_name(&iso_figure_kind_names, a->kind ? a->kind : iso_figure_usual_kind(a->job.input),
-                                                  &a->job.kind, err);
+    iso_status status = iso_figure_kind_from_name(&iso_figure_kind_names,
+                                                  a->kind ? a->kind : iso_figure_usual_kind(a->job.input), &a->job.kind,
+                                                  err);
     TRY(status, iso_colormap_from_name(a->map ? a->map : "magma", &a->job.map, err));
     if (status == ISO_OK && a->error)
         status = iso_words_parse_error("--error", a->error, &a->job.error, err);
@@ -78,81 +79,62 @@ static void print_result(const figure_arguments *a)
     iso_cli_print_json(root);
 }
 
-static void free_list(char **list)
-{
-    for (size_t i = 0; list && list[i]; ++i)
-        free(list[i]);
-    free(list);
-}
+static const iso_option options[] = {
+    {"output", 'o', "folder for the figure", "DIR", ISO_IN(figure_arguments, output)},
+    {"kind", 0, "kind of figure (levels; of a chart: chart)", "KIND", ISO_IN(figure_arguments, kind)},
+    {"width", 0, "largest width; many journals have columns of 85", "MM", ISO_IN(figure_arguments, job.width_mm),
+     .flags = ISO_SHOWN},
+    {"height", 0, "largest height", "MM", ISO_IN(figure_arguments, job.height_mm), .flags = ISO_SHOWN},
+    {"dpi", 0, "resolution of its pictures", "DPI", ISO_IN(figure_arguments, job.dpi), .flags = ISO_SHOWN},
+    {"map", 0, "color map of its data (magma)", "MAP", ISO_IN(figure_arguments, map)},
+    {"zoom", 0, "enlarge the middle by X, or inset a part, X,Y,W,H in 0 to 1", "X|X,Y,W,H",
+     ISO_IN(figure_arguments, zoom)},
+    {"background", 0, "background: white, black, or linear R,G,B in 0 to 1 (the scene's)", "COLOR",
+     ISO_IN(figure_arguments, background)},
+    {"letters", 0, "label the panels (a), (b) and so on", NULL, ISO_IN(figure_arguments, job.letters)},
+    {"formats", 0, "formats besides PDF: svg, png, latex (all)", "LIST", ISO_IN(figure_arguments, job.formats)},
+    {"sources", 0, "keep the gnuplot script and its pixels", NULL, ISO_IN(figure_arguments, job.with_sources)},
+    {"with", 0, "volumes: the renderer (gl, or cpu without hardware OpenGL), or renderers to show (all)", "LIST",
+     ISO_IN(figure_arguments, job.with)},
+    {"level", 0, "level to show", "K", ISO_IN(figure_arguments, job.level), .flags = ISO_SHOWN, .most = 63},
+    {"levels", 0, "number of levels, including level 0 (4)", "N", ISO_IN(figure_arguments, job.levels),
+     .flags = ISO_NOT_ZERO, .least = 1, .most = ISO_FIGURE_MOST_LEVELS},
+    {"adapt", 0, "volumes: adapt the transfer function to each level", NULL,
+     ISO_IN(figure_arguments, job.adapted.wanted)},
+    {"frames", 0, "frames of a turntable (8)", "N", ISO_IN(figure_arguments, job.frames), .flags = ISO_NOT_ZERO,
+     .least = 2, .most = ISO_FIGURE_MOST_FRAMES},
+    {"error", 0, "plan: largest allowed RMSE of the picture (1/255)", "1/255", ISO_IN(figure_arguments, error)},
+    {"case", 0, "failure: entry of isoshade atlas (the first)", "NAME", ISO_IN(figure_arguments, job.atlas_case)},
+    {"methods", 0, "methods, such as naive,moments+adapted (a report's first and last)", "LIST",
+     ISO_IN(figure_arguments, job.methods)},
+    {"variant", 0, "a report's renderers: comparisons of this name, such as naive (the scene's own)", "TEXT",
+     ISO_IN(figure_arguments, job.variant)},
+    ISO_OPTIONS_OF(figure_arguments, job.look, iso_scene_rows),
+    {"tf", 0, "transfer function, a file or preset (the scene's; auto); repeatable for sheets", "FILE|PRESET",
+     ISO_IN(figure_arguments, job.tfs)},
+    ISO_OPTIONS_OF(figure_arguments, job.look.transfer, iso_transfer_rows),
+    {"view", 0, "view direction, a name or degrees (the scene's; front or iso); repeatable for sheets", "NAME|AZ,EL",
+     ISO_IN(figure_arguments, job.views)},
+    {"size", 0, "aspect ratio of the pictures (the scene's, or 1x1)", "WxH", ISO_IN(figure_arguments, job.look.size)},
+    ISO_OPTIONS_OF(figure_arguments, job.volume, iso_input_rows),
+    ISO_OPTIONS_END,
+};
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    figure_arguments a = {.job = {.width_mm = 178, .height_mm = 230, .dpi = 300}};
-    iso_figure_job *job = &a.job;
-    iso_cli cli;
-    iso_cli_next next;
-    job->cli = &cli;
+    figure_arguments *a = values;
+    iso_figure_job *job = &a->job;
+    job->cli = job->adapted.cli = cli;
     job->facts = json_object();
-    job->adapted.cli = &cli;
-    iso_volume_input_defaults(&job->volume);
-    iso_cli_adapted_defaults(&job->adapted);
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "folder for the figure", "DIR"},
-        {"kind", 0, POPT_ARG_STRING, &a.kind, 0, "kind of figure (levels; of a chart: chart)", "KIND"},
-        {"width", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job->width_mm, 0,
-         "largest width; many journals have columns of 85", "MM"},
-        {"height", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job->height_mm, 0, "largest height", "MM"},
-        {"dpi", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job->dpi, 0, "resolution of its pictures", "DPI"},
-        {"map", 0, POPT_ARG_STRING, &a.map, 0, "color map of its data (magma)", "MAP"},
-        {"zoom", 0, POPT_ARG_STRING, &a.zoom, 0, "enlarge the middle by X, or inset a part, X,Y,W,H in 0 to 1",
-         "X|X,Y,W,H"},
-        {"background", 0, POPT_ARG_STRING, &a.background, 0,
-         "background: white, black, or linear R,G,B in 0 to 1 (the scene's)", "COLOR"},
-        {"letters", 0, POPT_ARG_NONE, &job->letters, 0, "label the panels (a), (b) and so on", NULL},
-        {"formats", 0, POPT_ARG_STRING, &job->formats, 0, "formats besides PDF: svg, png, latex (all)", "LIST"},
-        {"sources", 0, POPT_ARG_NONE, &job->with_sources, 0, "keep the gnuplot script and its pixels", NULL},
-        {"with", 0, POPT_ARG_STRING, &job->with, 0,
-         "volumes: the renderer (gl, or cpu without hardware OpenGL), or renderers to show (all)", "LIST"},
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &job->level, 0, "level to show", "K"},
-        {"levels", 0, POPT_ARG_INT, &job->levels, ISO_CLI_NOT_ZERO, "number of levels, including level 0 (4)", "N"},
-        {"adapt", 0, POPT_ARG_NONE, &job->adapted.wanted, 0, "volumes: adapt the transfer function to each level",
-         NULL},
-        {"frames", 0, POPT_ARG_INT, &job->frames, ISO_CLI_NOT_ZERO, "frames of a turntable (8)", "N"},
-        {"error", 0, POPT_ARG_STRING, &a.error, 0, "plan: largest allowed RMSE of the picture (1/255)", "1/255"},
-        {"case", 0, POPT_ARG_STRING, &job->atlas_case, 0, "failure: entry of isoshade atlas (the first)", "NAME"},
-        {"methods", 0, POPT_ARG_STRING, &job->methods, 0,
-         "methods, such as naive,moments+adapted (a report's first and last)", "LIST"},
-        {"variant", 0, POPT_ARG_STRING, &job->variant, 0,
-         "a report's renderers: comparisons of this name, such as naive (the scene's own)", "TEXT"},
-        ISO_CLI_SCENE_OPTION(&job->look),
-        {"tf", 0, POPT_ARG_ARGV, &job->tfs, 0,
-         "transfer function, a file or preset (the scene's; auto); repeatable for sheets", "FILE|PRESET"},
-        ISO_CLI_TRANSFER_OPTIONS(&job->look.transfer),
-        {"view", 0, POPT_ARG_ARGV, &job->views, 0,
-         "view direction, a name or degrees (the scene's; front or iso); repeatable for sheets", "NAME|AZ,EL"},
-        {"size", 0, POPT_ARG_STRING, &job->look.size, 0, "aspect ratio of the pictures (the scene's, or 1x1)", "WxH"},
-        ISO_CLI_INPUT_OPTIONS(&job->volume),
-        POPT_TABLEEND,
-    };
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN) {
-        job->look.tf = job->tfs ? job->tfs[0] : NULL;
-        job->look.view = job->views ? job->views[0] : NULL;
-        job->input = cli.argument_count ? cli.arguments[0] : NULL;
-        job->output = a.output;
-        status = take_names(&a, err);
-        TRY(status, iso_figure_make(job, err));
-        if (status == ISO_OK)
-            print_result(&a);
-    }
-    iso_cli_end(&cli);
+    job->look.tf = job->tfs ? job->tfs[0] : NULL;
+    job->look.view = job->views ? job->views[0] : NULL;
+    job->input = cli->argument_count ? cli->arguments[0] : NULL;
+    job->output = a->output;
+    iso_status status = take_names(a, err);
+    TRY(status, iso_figure_make(job, err));
+    if (status == ISO_OK)
+        print_result(a);
     json_decref(job->facts);
-    char *texts[] = {a.output,  a.kind,  a.map,        a.zoom,    job->methods,    job->variant,
-                     job->with, a.error, a.background, job->atlas_case, job->formats};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
-        free(texts[i]);
-    free_list(job->tfs);
-    free_list(job->views);
     return status;
 }
 
@@ -185,5 +167,7 @@ const iso_command iso_command_figure = {
         "  isoshade figure shells.nrrd --kind tf --width 85 -o figure-tf\n"
         "  isoshade figure shells.nrrd --kind sheet --tf auto --tf simulation --view front --view 30,20 --width 85 -o figure-sheet\n"
         "  isoshade figure --kind failure --case thin-plates --width 85 -o figure-failure\n",
+    ISO_COMMAND_OPTIONS(figure_arguments, options,
+                        .job = {.width_mm = 178, .height_mm = 230, .dpi = 300, .adapted = ISO_CLI_ADAPTED_DEFAULTS}),
     .run = run,
 };

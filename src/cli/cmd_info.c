@@ -282,8 +282,7 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
 {
     const iso_pyramid_options *opt = &p->options;
     char text[512];
-    printf("%s\n  source     %s\n  built by   %s\n", cli->arguments[0], p->source,
-           p->built_by);
+    printf("%s\n  source     %s\n  built by   %s\n", cli->arguments[0], p->source, p->built_by);
     if (p->unit.name[0])
         printf("  unit       of its file: %s = %.9g mm\n", p->unit.name, p->unit.mm);
     printf("  options    --scalar-filter %s --direction-filter %s --estimator %s --code %s%s%s\n",
@@ -366,28 +365,24 @@ static iso_status show_any(const iso_cli *cli, const iso_volume_input *input, bo
     return show(cli, input, picture, err);
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
-{
+typedef struct info_options {
     iso_volume_input input;
-    iso_volume_input_defaults(&input);
-    input.takes_first = true;
-    char *picture = NULL;
-    int verify = 0;
-    struct poptOption options[] = {
-        {"verify", 0, POPT_ARG_NONE, &verify, 0, "pyramids: rebuild all levels from level 0, and compare", NULL},
-        {"histogram", 0, POPT_ARG_STRING, &picture, 0, "volumes: draw the histogram with gnuplot: .png, .svg or .pdf",
-         "FILE"},
-        ISO_CLI_INPUT_OPTIONS(&input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = show_any(&cli, &input, verify, picture, err);
-    iso_cli_end(&cli);
-    free(picture);
-    return status;
+    char *picture;
+    int verify;
+} info_options;
+
+static const iso_option options[] = {
+    {"verify", 0, "pyramids: rebuild all levels from level 0, and compare", NULL, ISO_IN(info_options, verify)},
+    {"histogram", 0, "volumes: draw the histogram with gnuplot: .png, .svg or .pdf", "FILE",
+     ISO_IN(info_options, picture)},
+    ISO_OPTIONS_OF(info_options, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
+{
+    const info_options *o = values;
+    return show_any(cli, &o->input, o->verify, o->picture, err);
 }
 
 const iso_command iso_command_info = {
@@ -409,5 +404,6 @@ const iso_command iso_command_info = {
                 "  isoshade build sphere.nrrd -o sphere.iso\n"
                 "  isoshade info sphere.iso --verify\n",
     .lists = (const iso_names *const[]){&iso_volume_format_names, NULL},
+    ISO_COMMAND_OPTIONS(info_options, options, .input = {.takes_first = true}),
     .run = run,
 };

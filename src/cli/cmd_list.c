@@ -23,8 +23,8 @@
 static const iso_names *const lists[] = {
     &iso_volume_format_names, &iso_tf_format_names,        &iso_gradient_names,         &iso_code_names,
     &iso_scalar_filter_names, &iso_direction_filter_names, &iso_direction_source_names, &iso_palette_method_names,
-    &iso_field_names,         &iso_export_target_names,    &iso_blender_material_names, &iso_cycles_device_names, &iso_bake_grid_names,
-    &iso_grid_program_names,  &iso_tf_preset_names,        &iso_viewpoint_names,
+    &iso_field_names,         &iso_export_target_names,    &iso_blender_material_names, &iso_cycles_device_names,
+    &iso_bake_grid_names,     &iso_grid_program_names,     &iso_tf_preset_names,        &iso_viewpoint_names,
     &iso_figure_kind_names,   &iso_colormap_names,
 };
 enum { LIST_COUNT = sizeof lists / sizeof *lists + 1 }; /* and the renderers, whose table may grow at run time */
@@ -32,7 +32,8 @@ enum { LIST_COUNT = sizeof lists / sizeof *lists + 1 }; /* and the renderers, wh
 static const iso_names *list_at(size_t i)
 {
     static const iso_renderer_info *renderers[ISO_MAX_RENDERERS];
-    static iso_names names = {"renderer", "renderers",
+    static iso_names names = {"renderer",
+                              "renderers",
                               renderers,
                               0,
                               sizeof renderers[0],
@@ -145,25 +146,25 @@ static iso_status list_gl(const iso_cli *cli)
     return ISO_OK;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+typedef struct list_options {
+    int markdown, gl;
+    char *renderers;
+} list_options;
+
+static const iso_option options[] = {
+    {"markdown", 0, "print as Markdown: doc/reference/names.md", NULL, ISO_IN(list_options, markdown)},
+    {"gl", 0, "list devices for --gl-device, with the bits of their linear filter", NULL, ISO_IN(list_options, gl)},
+    ISO_CLI_RENDERERS_OPTION(list_options, renderers),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    int markdown = 0, gl = 0;
-    char *renderers = NULL;
-    struct poptOption options[] = {
-        {"markdown", 0, POPT_ARG_NONE, &markdown, 0, "print as Markdown: doc/reference/names.md", NULL},
-        {"gl", 0, POPT_ARG_NONE, &gl, 0, "list devices for --gl-device, with the bits of their linear filter", NULL},
-        ISO_CLI_RENDERERS_OPTION(&renderers),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_renderers_load(renderers, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = gl ? list_gl(&cli) : list(&cli, markdown);
-    iso_cli_end(&cli);
-    return status;
+    const list_options *o = values;
+    const iso_status status = iso_renderers_load(o->renderers, err);
+    if (status != ISO_OK)
+        return status;
+    return o->gl ? list_gl(cli) : list(cli, o->markdown);
 }
 
 const iso_command iso_command_list = {
@@ -173,5 +174,7 @@ const iso_command iso_command_list = {
     .examples = "  isoshade list\n"
                 "  isoshade list --json\n"
                 "  isoshade list --gl\n",
+    .options = options,
+    .options_size = sizeof(list_options),
     .run = run,
 };

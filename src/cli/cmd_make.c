@@ -85,7 +85,6 @@ static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_e
     iso_vec3 center = {0, 0, 0};
     if (status == ISO_OK && opt->center)
         status = parse_center(opt->center, &center, err);
-    TRY(status, iso_words_check_range("--grain", opt->grain, 0, 1, err));
     if (status == ISO_OK && opt->rotate)
         status = parse_rotation(opt->rotate, &turn, err);
     if (status != ISO_OK)
@@ -168,40 +167,27 @@ static iso_status make_volume(const iso_cli *cli, const make_options *opt, iso_e
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"output", 'o', "NRRD file to write", "FILE", ISO_IN(make_options, output)},
+    {"size", 0, "voxels along x, y and z", "NXxNYxNZ", ISO_IN(make_options, size)},
+    {"spacing", 0, "spacing along the grid axes in mm (1)", "SXxSYxSZ", ISO_IN(make_options, spacing)},
+    {"rotate", 0, "rotation: axis and degrees X,Y,Z,A, or a 3x3 matrix by rows", "NUMBERS",
+     ISO_IN(make_options, rotate)},
+    {"center", 0, "center of the box in mm (0,0,0)", "X,Y,Z", ISO_IN(make_options, center)},
+    {"type", 0, "type of the samples (uint16)", "TYPE", ISO_IN(make_options, type)},
+    {"range", 0, "sample values for 0 and 1 (the type's range; 0,1 for floats)", "LO,HI", ISO_IN(make_options, range)},
+    {"grain", 0, "add noise with this standard deviation, as part of the range (0)", "SIGMA",
+     ISO_IN(make_options, grain), .most = 1},
+    {"seed", 0, "seed of noise, vessels and grain", "N", ISO_IN(make_options, seed), .flags = ISO_SHOWN},
+    {"gzip", 0, "compress the samples", NULL, ISO_IN(make_options, gzip)},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    make_options opt = {.seed = 1};
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &opt.output, 0, "NRRD file to write", "FILE"},
-        {"size", 0, POPT_ARG_STRING, &opt.size, 0, "voxels along x, y and z", "NXxNYxNZ"},
-        {"spacing", 0, POPT_ARG_STRING, &opt.spacing, 0, "spacing along the grid axes in mm (1)", "SXxSYxSZ"},
-        {"rotate", 0, POPT_ARG_STRING, &opt.rotate, 0, "rotation: axis and degrees X,Y,Z,A, or a 3x3 matrix by rows",
-         "NUMBERS"},
-        {"center", 0, POPT_ARG_STRING, &opt.center, 0, "center of the box in mm (0,0,0)", "X,Y,Z"},
-        {"type", 0, POPT_ARG_STRING, &opt.type, 0, "type of the samples (uint16)", "TYPE"},
-        {"range", 0, POPT_ARG_STRING, &opt.range, 0, "sample values for 0 and 1 (the type's range; 0,1 for floats)",
-         "LO,HI"},
-        {"grain", 0, POPT_ARG_DOUBLE, &opt.grain, 0, "add noise with this standard deviation, as part of the range (0)",
-         "SIGMA"},
-        {"seed", 0, POPT_ARG_LONGLONG | POPT_ARGFLAG_SHOW_DEFAULT, &opt.seed, 0, "seed of noise, vessels and grain",
-         "N"},
-        {"gzip", 0, POPT_ARG_NONE, &opt.gzip, 0, "compress the samples", NULL},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN) {
-        if (!opt.output || !opt.size)
-            status = iso_fail(err, ISO_E_USAGE, "--size and -o are required");
-        else
-            status = make_volume(&cli, &opt, err);
-    }
-    iso_cli_end(&cli);
-    char *texts[] = {opt.size, opt.spacing, opt.rotate, opt.center, opt.type, opt.range, opt.output};
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i)
-        free(texts[i]);
-    return status;
+    const make_options *opt = values;
+    return opt->output && opt->size ? make_volume(cli, opt, err)
+                                    : iso_fail(err, ISO_E_USAGE, "--size and -o are required");
 }
 
 #define KIND_LINE(name, text, help) "  " text ": " help "\n"
@@ -217,5 +203,6 @@ const iso_command iso_command_make = {
     .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
                 "  isoshade make sphere --size 48 --type float --rotate 1,2,3,30 -o sphere.nrrd\n"
                 "  isoshade make noise --size 64x48x32 --seed 7 --gzip -o noise.nrrd\n",
+    ISO_COMMAND_OPTIONS(make_options, options, .seed = 1),
     .run = run,
 };

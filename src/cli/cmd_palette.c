@@ -48,10 +48,8 @@ static iso_status check_outputs(const iso_palette_arguments *a, iso_error *err)
 static iso_status to_options(const iso_palette_arguments *a, iso_palette_options *out, iso_error *err)
 {
     *out = iso_palette_defaults();
-    iso_status status = iso_words_check_range("--entries", a->entries, 1, ISO_PALETTE_MAX, err);
-    TRY(status, iso_words_check_range("--seed", a->seed, 0, 2147483647, err));
-    TRY(status, iso_words_check_range("--level", a->level, -1, 31, err));
-    if (status == ISO_OK && a->method)
+    iso_status status = ISO_OK;
+    if (a->method)
         status = iso_palette_method_from_name(a->method, &out->method, err);
     TRY(status, check_outputs(a, err));
     out->directions = (size_t)a->entries;
@@ -266,54 +264,36 @@ static iso_status make_all(const iso_palette_arguments *a, iso_error *err)
     return status;
 }
 
-static void free_outputs(char **outputs)
-{
-    for (char **path = outputs; path && *path; ++path)
-        free(*path);
-    free(outputs);
-}
+static const iso_option options[] = {
+    {"output", 'o',
+     "output, repeatable: .csv, .inc (POV-Ray), .py (Blender), .exr (row of floats), "
+     ".png, .nrrd (indices)",
+     "FILE", ISO_IN(iso_palette_arguments, outputs)},
+    {"entries", 0, "number of directions, without the zero vector", "N", ISO_IN(iso_palette_arguments, entries),
+     .flags = ISO_SHOWN, .least = 1, .most = ISO_PALETTE_MAX},
+    {"method", 0, "kmeans (default), or fibonacci", "NAME", ISO_IN(iso_palette_arguments, method)},
+    {"seed", 0, "seed of the random numbers", "N", ISO_IN(iso_palette_arguments, seed), .flags = ISO_SHOWN,
+     .most = 2147483647},
+    {"by-magnitude", 0, "weight voxels by their gradient magnitude", NULL, ISO_IN(iso_palette_arguments, by_magnitude)},
+    {"tf", 0, "weight voxels by opacity under this transfer function, a file or preset", "FILE|PRESET",
+     ISO_IN(iso_palette_arguments, tf)},
+    ISO_OPTIONS_OF(iso_palette_arguments, transfer, iso_transfer_rows),
+    {"level", 0, "pyramids: only this level (one palette for all levels)", "K", ISO_IN(iso_palette_arguments, level),
+     .most = 31},
+    {"per-level", 0, "pyramids: one palette per level, in files NAME_level_K", NULL,
+     ISO_IN(iso_palette_arguments, per_level)},
+    ISO_OPTIONS_OF(iso_palette_arguments, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    const iso_palette_options d = iso_palette_defaults();
-    iso_cli cli;
-    iso_palette_arguments a = {.cli = &cli,
-                               .entries = (int)d.directions,
-                               .seed = (int)d.seed,
-                               .level = -1};
-    iso_volume_input_defaults(&a.input);
-    const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_ARGV, &a.outputs, 0,
-         "output, repeatable: .csv, .inc (POV-Ray), .py (Blender), .exr (row of floats), "
-         ".png, .nrrd (indices)",
-         "FILE"},
-        {"entries", 0, POPT_ARG_INT | shown, &a.entries, 0, "number of directions, without the zero vector", "N"},
-        {"method", 0, POPT_ARG_STRING, &a.method, 0, "kmeans (default), or fibonacci", "NAME"},
-        {"seed", 0, POPT_ARG_INT | shown, &a.seed, 0, "seed of the random numbers", "N"},
-        {"by-magnitude", 0, POPT_ARG_NONE, &a.by_magnitude, 0, "weight voxels by their gradient magnitude", NULL},
-        {"tf", 0, POPT_ARG_STRING, &a.tf, 0, "weight voxels by opacity under this transfer function, a file or preset",
-         "FILE|PRESET"},
-        ISO_CLI_TRANSFER_OPTIONS(&a.transfer),
-        {"level", 0, POPT_ARG_INT, &a.level, 0, "pyramids: only this level (one palette for all levels)", "K"},
-        {"per-level", 0, POPT_ARG_NONE, &a.per_level, 0, "pyramids: one palette per level, in files NAME_level_K",
-         NULL},
-        ISO_CLI_INPUT_OPTIONS(&a.input),
-        POPT_TABLEEND,
-    };
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_transfer_request(&a.transfer, &a.request, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && a.tf)
-        status = iso_tf_check_name(a.tf, &a.request, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = make_all(&a, err);
-    iso_cli_end(&cli);
-    free_outputs(a.outputs);
-    free(a.method);
-    free(a.tf);
-    return status;
+    iso_palette_arguments *a = values;
+    a->cli = cli;
+    iso_status status = iso_cli_transfer_request(&a->transfer, &a->request, err);
+    if (status == ISO_OK && a->tf)
+        status = iso_tf_check_name(a->tf, &a->request, err);
+    return status == ISO_OK ? make_all(a, err) : status;
 }
 
 const iso_command iso_command_palette = {
@@ -330,5 +310,6 @@ const iso_command iso_command_palette = {
                 "  isoshade palette v.nrrd -o palette.csv -o palette.png -o index.nrrd\n"
                 "  isoshade palette v.nrrd --entries 1022 --by-magnitude -o palette.inc -o palette.py\n",
     .lists = (const iso_names *const[]){&iso_palette_method_names, &iso_tf_preset_names, NULL},
+    ISO_COMMAND_OPTIONS(iso_palette_arguments, options, .entries = 254, .seed = 1, .level = -1),
     .run = run,
 };

@@ -180,12 +180,6 @@ static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const 
 static iso_status check(const plan_arguments *a, iso_error *err)
 {
     iso_status status = iso_words_check_range("--error", a->error, 1e-6, 1, err);
-    TRY(status, a->memory == NO_MEMORY ? ISO_OK : iso_words_check_range("--memory", a->memory, 1, 1e15, err));
-    TRY(status, iso_words_check_range("--brick", a->brick, 2, ISO_BRICK_MOST_VOXELS, err));
-    TRY(status, iso_words_check_range("--levels", a->levels, 1, ISO_BRICK_MAX_LEVELS, err));
-    TRY(status, iso_words_check_range("--views", a->views, 1, 360, err));
-    if (status == ISO_OK && a->faces && strcmp(a->faces, "own") != 0 && strcmp(a->faces, "baked") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--faces is \"%s\", must be baked or own", a->faces);
     if (status == ISO_OK && a->image)
         status = iso_image_check_name("--image", a->image, err);
     if (status == ISO_OK && a->full_image)
@@ -234,40 +228,32 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    ISO_OPTIONS_OF(plan_arguments, look, iso_look_rows),
+    {"views", 0, "number of views per scene, turned around its up axis", "N", ISO_IN(plan_arguments, views),
+     .flags = ISO_SHOWN, .least = 1, .most = 360},
+    {"error", 0, "largest allowed RMSE of each image (1/255)", "1/255", ISO_IN(plan_arguments, error_text)},
+    {"memory", 0, "instead of --error: limit of the bytes of all bricks", "BYTES", ISO_IN(plan_arguments, memory),
+     .least = 1, .most = 1e15},
+    {"brick", 0, "voxels per side of a brick, a power of two", "N", ISO_IN(plan_arguments, brick), .flags = ISO_SHOWN,
+     .least = 2, .most = ISO_BRICK_MOST_VOXELS},
+    {"levels", 0, "number of levels, including level 0", "N", ISO_IN(plan_arguments, levels), .flags = ISO_SHOWN,
+     .least = 1, .most = ISO_BRICK_MAX_LEVELS},
+    {"faces", 0, "baked (default), or own: with seams, for comparison", "baked|own", ISO_IN(plan_arguments, faces),
+     .flags = ISO_ONE_OF},
+    {"update", 0, "count and time the changes from this older plan", "OLD.json", ISO_IN(plan_arguments, update)},
+    {"output", 'o', "plan file to write", "PLAN.json", ISO_IN(plan_arguments, output)},
+    {"image", 0, "also render the plan, as .exr or .png", "FILE", ISO_IN(plan_arguments, image)},
+    {"full-image", 0, "also render the full model, as .exr or .png", "FILE", ISO_IN(plan_arguments, full_image)},
+    ISO_OPTIONS_OF(plan_arguments, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    plan_arguments a = {.error = 1.0 / 255, .memory = NO_MEMORY, .brick = 16, .levels = 4, .views = 1};
-    iso_volume_input_defaults(&a.input);
-    struct poptOption options[] = {
-        ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.views, 0,
-         "number of views per scene, turned around its up axis", "N"},
-        {"error", 0, POPT_ARG_STRING, &a.error_text, 0, "largest allowed RMSE of each image (1/255)", "1/255"},
-        {"memory", 0, POPT_ARG_DOUBLE, &a.memory, 0, "instead of --error: limit of the bytes of all bricks", "BYTES"},
-        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0,
-         "voxels per side of a brick, a power of two", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "number of levels, including level 0",
-         "N"},
-        {"faces", 0, POPT_ARG_STRING, &a.faces, 0, "baked (default), or own: with seams, for comparison", "FACES"},
-        {"update", 0, POPT_ARG_STRING, &a.update, 0, "count and time the changes from this older plan", "OLD.json"},
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "plan file to write", "PLAN.json"},
-        {"image", 0, POPT_ARG_STRING, &a.image, 0, "also render the plan, as .exr or .png", "FILE"},
-        {"full-image", 0, POPT_ARG_STRING, &a.full_image, 0, "also render the full model, as .exr or .png", "FILE"},
-        ISO_CLI_INPUT_OPTIONS(&a.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && a.error_text)
-        status = iso_words_parse_error("--error", a.error_text, &a.error, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = plan(&a, &cli, err);
-    iso_cli_end(&cli);
-    char *texts[] = {a.faces, a.output, a.image, a.full_image, a.update, a.error_text};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
-        free(texts[i]);
-    return status;
+    plan_arguments *a = values;
+    const iso_status status = a->error_text ? iso_words_parse_error("--error", a->error_text, &a->error, err) : ISO_OK;
+    return status == ISO_OK ? plan(a, cli, err) : status;
 }
 
 const iso_command iso_command_plan = {
@@ -287,5 +273,7 @@ const iso_command iso_command_plan = {
         "  isoshade plan shells.nrrd --tf simulation --view front --size 64 --brick 16 --levels 3 -o first.plan.json\n"
         "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 16 --levels 3 -o shells.plan.json\n",
     .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    ISO_COMMAND_OPTIONS(plan_arguments, options, .error = 1.0 / 255, .memory = NO_MEMORY, .brick = 16, .levels = 4,
+                        .views = 1),
     .run = run,
 };

@@ -24,6 +24,7 @@
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 #include "volume/frames_all.h"
+#include "cli/renderer_help.h"
 
 /* Sets how the pyramid of a volume is built in memory, as `isoshade build` does. */
 static iso_status take_build(const iso_render_arguments *a, const char *path, iso_pyramid_options *build,
@@ -205,8 +206,8 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
                                   &(iso_cli_roi_place){&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level,
                                                        cli->threads},
                                   &view, err);
-    TRY(status, iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads,
-                                   err));
+    TRY(status,
+        iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err));
     if (status == ISO_OK && !a->with && !a->limit && !a->page_side)
         iso_renderers_choose(&pyramid, &view, &opt);
     if (status == ISO_OK && !iso_renderer_has(opt.renderer, ISO_TAKES_A_PART))
@@ -227,8 +228,8 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
             iso_cli_warn_visible(cli, &visible);
         iso_render_report(a, cli, &pyramid, &view, &visible,
                           &(iso_rendered){opt.renderer->name, version, seconds,
-                                          iso_render_device_seconds(&opt, &renderers), taken_step(a, &request),
-                                          &stats, of->results});
+                                          iso_render_device_seconds(&opt, &renderers), taken_step(a, &request), &stats,
+                                          of->results});
     }
     iso_image_destroy(&image);
     iso_view_destroy(&view);
@@ -285,40 +286,18 @@ static iso_status render_series(const iso_render_arguments *a, const iso_cli *cl
     return status;
 }
 
-/* Buffers for help texts that name renderers. */
-typedef struct help_texts {
-    char text[24][320];
-    size_t count;
-} help_texts;
-
-static const char *list_renderers(help_texts *h)
+/* Returns "reference: converged (default) or midpoint; gl: ...", to be freed. */
+static char *describe_quadratures(const iso_option *option)
 {
-    char names[256], *text = h->text[h->count++];
-    snprintf(text, sizeof h->text[0], "%.200s (%s, or cpu without hardware OpenGL)",
-             iso_renderers_with(0, ", ", " or ", names, sizeof names), iso_renderers_usual()->name);
-    return text;
-}
-
-/* Returns "gl and povray: what". */
-static const char *of_those(help_texts *h, unsigned trait, const char *what)
-{
-    char names[256], *text = h->text[h->count++];
-    snprintf(text, sizeof h->text[0], "%.100s: %.200s", iso_renderers_with(trait, ", ", " and ", names, sizeof names),
-             what);
-    return text;
-}
-
-/* Returns "reference: converged (default) or midpoint; gl: ...". */
-static const char *describe_quadratures(help_texts *h)
-{
-    char list[160], *text = h->text[h->count++];
-    size_t length = 0;
-    for (size_t i = 0; i < iso_renderer_count() && length < sizeof h->text[0]; ++i)
+    char list[160], *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    (void)option;
+    for (size_t i = 0, count = 0; f && i < iso_renderer_count(); ++i)
         if (iso_renderer_has(iso_renderer_at(i), ISO_READS_QUADRATURE))
-            length += (size_t)snprintf(text + length, sizeof h->text[0] - length, "%s%s: %s", length ? "; " : "",
-                                       iso_renderer_at(i)->name,
-                                       iso_render_list_quadratures(iso_renderer_at(i), true, list));
-    return text;
+            fprintf(f, "%s%s: %s", count++ ? "; " : "", iso_renderer_at(i)->name,
+                    iso_render_list_quadratures(iso_renderer_at(i), true, list));
+    return f && fclose(f) == 0 ? text : NULL;
 }
 
 /* Renders one picture, those of a series, or one within a memory limit. */
@@ -332,109 +311,84 @@ static iso_status draw(const iso_render_arguments *a, const iso_cli *cli, iso_er
     return a->frames ? render_series(a, cli, err) : render(a, cli, &(frame_of_series){NULL, 0, NULL}, err);
 }
 
-/* Reads options with names, then renders. */
-static iso_status take_and_draw(iso_render_arguments *a, const iso_cli_cycles *cycles, const iso_cli *cli,
-                                iso_error *err)
+static const iso_option options[] = {
+    {"output", 'o', "image to write: .exr (float, linear) or .png (sRGB)", "FILE",
+     ISO_IN(iso_render_arguments, output)},
+    ISO_OPTIONS_OF(iso_render_arguments, look, iso_look_rows),
+    {"with", 0, "%s (gl, or cpu without hardware OpenGL)", "RENDERER", ISO_IN(iso_render_arguments, with),
+     ISO_NAMES_CHOICE(0)},
+    ISO_CLI_RENDERERS_OPTION(iso_render_arguments, renderers),
+    ISO_CLI_CYCLES_OPTIONS(iso_render_arguments, cycles, "Blender for --with cycles, a path or a name in PATH",
+                           "PROGRAM"),
+    ISO_CLI_GL_DEVICE_OPTION(iso_render_arguments, gl_device),
+    {"level", 0, "level of the pyramid; 0 is the finest", "K", ISO_IN(iso_render_arguments, level), .flags = ISO_SHOWN,
+     .most = 63},
+    {"frames", 0, "render all frames of a series, as IMAGE_0000.png and so on", "all",
+     ISO_IN(iso_render_arguments, frames)},
+    {"png", 0, "also write an 8-bit picture", "FILE.png", ISO_IN(iso_render_arguments, png)},
+    {"shading-from", 0, "%s: direction source of the list below (codes)", "SOURCE",
+     ISO_IN(iso_render_arguments, source), ISO_NAMES_RENDERERS(ISO_READS_SOURCE)},
+    {"palette", 0, "palette for --shading-from palette, made by isoshade palette", "FILE.csv",
+     ISO_IN(iso_render_arguments, palette)},
+    {"exact-lookups", 0, "%s: filter textures in double precision; slow, for validation", NULL,
+     ISO_IN(iso_render_arguments, exact_lookups), ISO_NAMES_RENDERERS(ISO_READS_EXACT_LOOKUPS)},
+    {"shade-table", 0, "%s: shade the palette's entries once, instead of each sample", NULL,
+     ISO_IN(iso_render_arguments, shade_table), ISO_NAMES_RENDERERS(ISO_READS_SHADE_TABLE)},
+    {"step", 0, "ray step in voxels of the level (the scene's; cycles 1/16; povray extrapolates)", "VOXELS",
+     ISO_IN(iso_render_arguments, step), .least = 1e-3, .most = 100},
+    {"quadrature", 0, NULL, "RULE", ISO_IN(iso_render_arguments, quadrature), .describe = describe_quadratures},
+    {"estimator", 0, "volumes: gradient estimator of the list below (central)", "NAME",
+     ISO_IN(iso_render_arguments, estimator)},
+    {"direction-filter", 0, "volumes: direction filter of the list below (moments)", "NAME",
+     ISO_IN(iso_render_arguments, direction_filter)},
+    {"code", 0, "direction code of the list below (fit)", "NAME", ISO_IN(iso_render_arguments, code)},
+    {"isosurface", 0, "%s: show the first hit of this value, opaque", "VALUE", ISO_IN(iso_render_arguments, isosurface),
+     ISO_NAMES_RENDERERS(ISO_HAS_ISOSURFACES)},
+    {"intervals", 0, "%s: intervals per ray; reference: in POV-Ray's quadrature", "N",
+     ISO_IN(iso_render_arguments, intervals), .flags = ISO_NOT_ZERO, ISO_NAMES_RENDERERS(ISO_READS_INTERVALS)},
+    {"planes", 0, "%s: planes that divide each ray, with --intervals", "N", ISO_IN(iso_render_arguments, planes),
+     .flags = ISO_NOT_ZERO, ISO_NAMES_RENDERERS(ISO_READS_PLANES), .most = 64},
+    {"samples", 0, "%s: samples per pixel (1)", "N", ISO_IN(iso_render_arguments, samples), .flags = ISO_NOT_ZERO,
+     ISO_NAMES_RENDERERS(ISO_READS_SAMPLES), .most = 65536},
+    {"seed", 0, "%s: seed of the random numbers", "N", ISO_IN(iso_render_arguments, seed),
+     ISO_NAMES_RENDERERS(ISO_READS_SEED)},
+    {"limit", 0, "%s: extrapolate to step 0 from --step (0.25) or --intervals, and twice the step", NULL,
+     ISO_IN(iso_render_arguments, limit), ISO_NAMES_RENDERERS(ISO_HAS_LIMIT)},
+    {"seeds", 0, "%s: with --limit: renders at each step to average (4)", "N", ISO_IN(iso_render_arguments, seeds),
+     .flags = ISO_NOT_ZERO, ISO_NAMES_RENDERERS(ISO_IS_RANDOM), .least = 2, .most = 32},
+    {"cache-bytes", 0, "%s: render bricks of mixed levels, with the least error in this many bytes", "BYTES",
+     ISO_IN(iso_render_arguments, cache_bytes), ISO_NAMES_RENDERERS(ISO_HAS_BRICKS), .least = 1, .most = 1e15},
+    {"plan-error", 0, "%s: render bricks of mixed levels, as coarse as this predicted RMSE allows", "1/255",
+     ISO_IN(iso_render_arguments, plan_error_text), ISO_NAMES_RENDERERS(ISO_HAS_BRICKS)},
+    {"brick", 0, "with --cache-bytes or --plan-error: voxels per side of a brick", "N",
+     ISO_IN(iso_render_arguments, brick), .flags = ISO_SHOWN, .least = 2, .most = ISO_BRICK_MOST_VOXELS},
+    {"brick-levels", 0, "with these two: number of levels, including level 0", "N",
+     ISO_IN(iso_render_arguments, brick_levels), .flags = ISO_SHOWN, .least = 1, .most = ISO_BRICK_MAX_LEVELS},
+    {"page-side", 0, "with these two: largest side of a texture in texels", "TEXELS",
+     ISO_IN(iso_render_arguments, page_side), .flags = ISO_NOT_ZERO, .most = 65536},
+    {"memory", 0, "cpu, pyramids on disk: limit of memory; bricks are read when needed", "MB",
+     ISO_IN(iso_render_arguments, memory_mb), .least = 1, .most = 1e9},
+    {"refine", 0, "with --memory: render coarse levels first, as IMAGE_level_K", NULL,
+     ISO_IN(iso_render_arguments, refine)},
+    {"shader-dir", 0, "%s: use shaders of this folder instead of the built-in ones", "DIR",
+     ISO_IN(iso_render_arguments, shader_dir), ISO_NAMES_RENDERERS(ISO_READS_SHADERS)},
+    ISO_OPTIONS_OF(iso_render_arguments, adapted, iso_adapted_rows),
+    ISO_OPTIONS_OF(iso_render_arguments, roi, iso_roi_rows),
+    ISO_OPTIONS_OF(iso_render_arguments, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
+    iso_render_arguments *a = values;
+    a->adapted.cli = cli;
+    if (a->gl_device)
+        setenv(ISO_GL_DEVICE_VARIABLE, a->gl_device, 1);
     iso_status status = iso_renderers_load(a->renderers, err);
     if (status == ISO_OK && a->plan_error_text)
         status = iso_words_parse_error("--plan-error", a->plan_error_text, &a->plan_error, err);
-    TRY(status, iso_cli_take_cycles(cycles, a->with ? a->with : iso_renderers_usual()->name, err));
+    TRY(status, iso_cli_take_cycles(&a->cycles, a->with ? a->with : iso_renderers_usual()->name, err));
     return status == ISO_OK ? draw(a, cli, err) : status;
-}
-
-static iso_render_arguments usual_arguments(void)
-{
-    iso_render_arguments a = {.step = ISO_STEP_OF_SCENE,
-                              .memory_mb = ISO_ALL_IN_MEMORY,
-                              .cache_bytes = ISO_NO_CACHE,
-                              .brick = 16,
-                              .brick_levels = 4};
-    iso_volume_input_defaults(&a.input);
-    iso_cli_adapted_defaults(&a.adapted);
-    iso_cli_roi_defaults(&a.roi);
-    return a;
-}
-
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
-{
-    help_texts help = {.count = 0};
-    iso_cli_cycles cycles = {.blender = NULL};
-    iso_render_arguments a = usual_arguments();
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "image to write: .exr (float, linear) or .png (sRGB)", "FILE"},
-        ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"with", 0, POPT_ARG_STRING, &a.with, 0, list_renderers(&help), "RENDERER"},
-        ISO_CLI_RENDERERS_OPTION(&a.renderers),
-        ISO_CLI_CYCLES_OPTIONS(&cycles, "Blender for --with cycles, a path or a name in PATH", "PROGRAM"),
-        ISO_CLI_GL_DEVICE_OPTION(&a.gl_device),
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level, 0, "level of the pyramid; 0 is the finest",
-         "K"},
-        {"frames", 0, POPT_ARG_STRING, &a.frames, 0, "render all frames of a series, as IMAGE_0000.png and so on",
-         "all"},
-        {"png", 0, POPT_ARG_STRING, &a.png, 0, "also write an 8-bit picture", "FILE.png"},
-        {"shading-from", 0, POPT_ARG_STRING, &a.source, 0,
-         of_those(&help, ISO_READS_SOURCE, "direction source of the list below (codes)"), "SOURCE"},
-        {"palette", 0, POPT_ARG_STRING, &a.palette, 0, "palette for --shading-from palette, made by isoshade palette",
-         "FILE.csv"},
-        {"exact-lookups", 0, POPT_ARG_NONE, &a.exact_lookups, 0,
-         of_those(&help, ISO_READS_EXACT_LOOKUPS, "filter textures in double precision; slow, for validation"), NULL},
-        {"shade-table", 0, POPT_ARG_NONE, &a.shade_table, 0,
-         of_those(&help, ISO_READS_SHADE_TABLE, "shade the palette's entries once, instead of each sample"), NULL},
-        {"step", 0, POPT_ARG_DOUBLE, &a.step, 0,
-         "ray step in voxels of the level (the scene's; cycles 1/16; povray extrapolates)", "VOXELS"},
-        {"quadrature", 0, POPT_ARG_STRING, &a.quadrature, 0, describe_quadratures(&help), "RULE"},
-        {"estimator", 0, POPT_ARG_STRING, &a.estimator, 0, "volumes: gradient estimator of the list below (central)",
-         "NAME"},
-        {"direction-filter", 0, POPT_ARG_STRING, &a.direction_filter, 0,
-         "volumes: direction filter of the list below (moments)", "NAME"},
-        {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the list below (fit)", "NAME"},
-        {"isosurface", 0, POPT_ARG_STRING, &a.isosurface, 0,
-         of_those(&help, ISO_HAS_ISOSURFACES, "show the first hit of this value, opaque"), "VALUE"},
-        {"intervals", 0, POPT_ARG_INT, &a.intervals, ISO_CLI_NOT_ZERO,
-         of_those(&help, ISO_READS_INTERVALS, "intervals per ray; reference: in POV-Ray's quadrature"), "N"},
-        {"planes", 0, POPT_ARG_INT, &a.planes, ISO_CLI_NOT_ZERO,
-         of_those(&help, ISO_READS_PLANES, "planes that divide each ray, with --intervals"), "N"},
-        {"samples", 0, POPT_ARG_INT, &a.samples, ISO_CLI_NOT_ZERO,
-         of_those(&help, ISO_READS_SAMPLES, "samples per pixel (1)"), "N"},
-        {"seed", 0, POPT_ARG_INT, &a.seed, 0, of_those(&help, ISO_READS_SEED, "seed of the random numbers"), "N"},
-        {"limit", 0, POPT_ARG_NONE, &a.limit, 0,
-         of_those(&help, ISO_HAS_LIMIT, "extrapolate to step 0 from --step (0.25) or --intervals, and twice the step"),
-         NULL},
-        {"seeds", 0, POPT_ARG_INT, &a.seeds, ISO_CLI_NOT_ZERO,
-         of_those(&help, ISO_IS_RANDOM, "with --limit: renders at each step to average (4)"), "N"},
-        {"cache-bytes", 0, POPT_ARG_DOUBLE, &a.cache_bytes, 0,
-         of_those(&help, ISO_HAS_BRICKS, "render bricks of mixed levels, with the least error in this many bytes"),
-         "BYTES"},
-        {"plan-error", 0, POPT_ARG_STRING, &a.plan_error_text, 0,
-         of_those(&help, ISO_HAS_BRICKS, "render bricks of mixed levels, as coarse as this predicted RMSE allows"),
-         "1/255"},
-        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick, 0,
-         "with --cache-bytes or --plan-error: voxels per side of a brick", "N"},
-        {"brick-levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.brick_levels, 0,
-         "with these two: number of levels, including level 0", "N"},
-        {"page-side", 0, POPT_ARG_INT, &a.page_side, ISO_CLI_NOT_ZERO,
-         "with these two: largest side of a texture in texels", "TEXELS"},
-        {"memory", 0, POPT_ARG_DOUBLE, &a.memory_mb, 0,
-         "cpu, pyramids on disk: limit of memory; bricks are read when needed", "MB"},
-        {"refine", 0, POPT_ARG_NONE, &a.refine, 0, "with --memory: render coarse levels first, as IMAGE_level_K", NULL},
-        {"shader-dir", 0, POPT_ARG_STRING, &a.shader_dir, 0,
-         of_those(&help, ISO_READS_SHADERS, "use shaders of this folder instead of the built-in ones"), "DIR"},
-        ISO_CLI_ADAPTED_OPTIONS(&a.adapted),
-        ISO_CLI_ROI_OPTIONS(&a.roi),
-        ISO_CLI_INPUT_OPTIONS(&a.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    a.adapted.cli = &cli;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (a.gl_device)
-        setenv(ISO_GL_DEVICE_VARIABLE, a.gl_device, 1);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = take_and_draw(&a, &cycles, &cli, err);
-    iso_cli_end(&cli);
-    return status;
 }
 
 const iso_command iso_command_render = {
@@ -464,5 +418,8 @@ const iso_command iso_command_render = {
         "  isoshade render ml.iso --scene refscenes/marschner-lobb.scene.json --memory 20 --refine -o paged.exr\n",
     .lists = (const iso_names *const[]){&iso_direction_source_names, &iso_gradient_names, &iso_direction_filter_names,
                                         &iso_code_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    ISO_COMMAND_OPTIONS(iso_render_arguments, options, .step = ISO_STEP_OF_SCENE, .memory_mb = ISO_ALL_IN_MEMORY,
+                        .cache_bytes = ISO_NO_CACHE, .brick = 16, .brick_levels = 4,
+                        .adapted = ISO_CLI_ADAPTED_DEFAULTS, .roi = ISO_CLI_ROI_DEFAULTS),
     .run = run,
 };

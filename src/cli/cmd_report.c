@@ -109,26 +109,18 @@ static iso_status check_and_diff(const iso_cli *cli, const report_arguments *a, 
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"output", 'o', "folder for a page of the differences", "DIR", ISO_IN(report_arguments, output)},
+    {"summary-md", 0, "write the changes as Markdown, for a CI summary", "FILE.md",
+     ISO_IN(report_arguments, summary_md)},
+    {"results-only", 0, "list other versions and options, without counting them as differences", NULL,
+     ISO_IN(report_arguments, results_only)},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    report_arguments a = {0};
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "folder for a page of the differences", "DIR"},
-        {"summary-md", 0, POPT_ARG_STRING, &a.summary_md, 0, "write the changes as Markdown, for a CI summary",
-         "FILE.md"},
-        {"results-only", 0, POPT_ARG_NONE, &a.results_only, 0,
-         "list other versions and options, without counting them as differences", NULL},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = check_and_diff(&cli, &a, err);
-    iso_cli_end(&cli);
-    free(a.output);
-    free(a.summary_md);
-    return status;
+    return check_and_diff(cli, values, err);
 }
 
 const iso_command iso_command_report = {
@@ -151,5 +143,7 @@ const iso_command iso_command_report = {
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 2 --with gl --size 32 -o report-then\n"
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --levels 2 --with gl --size 32 -o report-now --summary-md now.md\n"
         "  isoshade report diff report-then report-now -o report-diff --summary-md diff.md\n",
+    .options = options,
+    .options_size = sizeof(report_arguments),
     .run = run,
 };

@@ -27,7 +27,8 @@ enum { MOST_CHOICES = 32, LEVELS = 4, USUAL_PIXELS = 192 };
 
 typedef struct scenes_arguments {
     iso_volume_input input;
-    char *output, *scene, **tfs, **views, *write, *suite, *tier, *zoom;
+    iso_cli_look look; /* only its scene and zoom */
+    char *output, **tfs, **views, *write, *suite, *tier;
     int size, levels, steps;
     const iso_cli *cli;
 } scenes_arguments;
@@ -63,8 +64,11 @@ static iso_cli_look look_of(const sheet *s, size_t tf, size_t view, char size[16
 {
     const scenes_arguments *a = s->arguments;
     snprintf(size, 16, "%d", a->size);
-    return (iso_cli_look){
-        .scene = a->scene, .tf = (char *)s->tfs[tf], .view = (char *)s->views[view], .size = size, .zoom = a->zoom};
+    return (iso_cli_look){.scene = a->look.scene,
+                          .tf = (char *)s->tfs[tf],
+                          .view = (char *)s->views[view],
+                          .size = size,
+                          .zoom = a->look.zoom};
 }
 
 static iso_status check_choice(const sheet *s, size_t tf, size_t view, iso_error *err)
@@ -81,9 +85,9 @@ static iso_status choose(sheet *s, iso_error *err)
     const scenes_arguments *a = s->arguments;
     iso_status status = take("--view", a->views, s->views, &s->view_count, err);
     TRY(status, take("--tf", a->tfs, s->tfs, &s->tf_count, err));
-    if (a->scene && !a->views)
+    if (a->look.scene && !a->views)
         s->views[s->view_count++] = NULL;
-    if (a->scene && !a->tfs)
+    if (a->look.scene && !a->tfs)
         s->tfs[s->tf_count++] = NULL;
     for (size_t i = 0; !a->views && i < sizeof usual_views / sizeof *usual_views; ++i)
         s->views[s->view_count++] = usual_views[i];
@@ -320,14 +324,12 @@ static iso_status write_requests(const scenes_arguments *a, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "--write takes one --tf and one --view");
     snprintf(size, sizeof size, "%d", a->size);
     iso_status status = a->size ? iso_words_check_range("--size", a->size, 1, 16384, err) : ISO_OK;
-    TRY(status, iso_words_check_range("--levels", a->levels ? a->levels : 1, 1, 16, err));
-    TRY(status, iso_words_check_range("--steps", a->steps, -1, 12, err));
     const iso_scenes_write w = {.cli = a->cli,
                                 .input = &a->input,
-                                .look = {.scene = a->scene,
+                                .look = {.scene = a->look.scene,
                                          .tf = a->tfs ? a->tfs[0] : NULL,
                                          .view = a->views ? a->views[0] : NULL,
-                                         .zoom = a->zoom,
+                                         .zoom = a->look.zoom,
                                          .size = a->size ? size : NULL},
                                 .dir = a->write,
                                 .suite = a->suite,
@@ -347,43 +349,36 @@ static iso_status check_sheet(scenes_arguments *a, iso_error *err)
     return ISO_OK;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"output", 'o', "sheet to write: .png, .svg or .pdf, and commands in a .json", "FILE",
+     ISO_IN(scenes_arguments, output)},
+    ISO_OPTIONS_OF(scenes_arguments, look, iso_scene_rows),
+    {"tf", 0, "transfer function: a file or preset; repeatable (the scene's and all presets)", "FILE|PRESET",
+     ISO_IN(scenes_arguments, tfs)},
+    {"view", 0, "view direction: a name or degrees; repeatable (the scene's; front, left, top, iso)", "NAME|AZ,EL",
+     ISO_IN(scenes_arguments, views)},
+    ISO_OPTIONS_OF(scenes_arguments, look, iso_zoom_rows),
+    {"size", 0, "pixels per side of a picture (192; --write: the scene's)", "N", ISO_IN(scenes_arguments, size),
+     .flags = ISO_NOT_ZERO},
+    {"write", 0, "write requests to render elsewhere, for validate --images, instead of a sheet", "DIR",
+     ISO_IN(scenes_arguments, write)},
+    {"suite", 0, "--write: use the scenes of a folder, with their volumes", "DIR", ISO_IN(scenes_arguments, suite)},
+    {"levels", 0, "--write: number of levels, including the finest (4; suites 1)", "N",
+     ISO_IN(scenes_arguments, levels), .flags = ISO_NOT_ZERO, .least = 1, .most = 16},
+    {"steps", 0, "--write: number of smaller steps, each half the one before; 0: none (4)", "N",
+     ISO_IN(scenes_arguments, steps), .most = 12},
+    {"tier", 0, "--write: agreement of the pictures: samples, limit or \"8 bits\" (samples)", "TIER",
+     ISO_IN(scenes_arguments, tier)},
+    ISO_OPTIONS_OF(scenes_arguments, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    scenes_arguments a = {.steps = -1};
-    iso_volume_input_defaults(&a.input);
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "sheet to write: .png, .svg or .pdf, and commands in a .json",
-         "FILE"},
-        ISO_CLI_SCENE_OPTION(&a),
-        {"tf", 0, POPT_ARG_ARGV, &a.tfs, 0,
-         "transfer function: a file or preset; repeatable (the scene's and all presets)", "FILE|PRESET"},
-        {"view", 0, POPT_ARG_ARGV, &a.views, 0,
-         "view direction: a name or degrees; repeatable (the scene's; front, left, top, iso)", "NAME|AZ,EL"},
-        ISO_CLI_ZOOM_OPTION(&a),
-        {"size", 0, POPT_ARG_INT, &a.size, ISO_CLI_NOT_ZERO, "pixels per side of a picture (192; --write: the scene's)",
-         "N"},
-        {"write", 0, POPT_ARG_STRING, &a.write, 0,
-         "write requests to render elsewhere, for validate --images, instead of a sheet", "DIR"},
-        {"suite", 0, POPT_ARG_STRING, &a.suite, 0, "--write: use the scenes of a folder, with their volumes", "DIR"},
-        {"levels", 0, POPT_ARG_INT, &a.levels, ISO_CLI_NOT_ZERO,
-         "--write: number of levels, including the finest (4; suites 1)", "N"},
-        {"steps", 0, POPT_ARG_INT, &a.steps, 0,
-         "--write: number of smaller steps, each half the one before; 0: none (4)", "N"},
-        {"tier", 0, POPT_ARG_STRING, &a.tier, 0,
-         "--write: agreement of the pictures: samples, limit or \"8 bits\" (samples)", "TIER"},
-        ISO_CLI_INPUT_OPTIONS(&a.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    a.cli = &cli;
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = a.write ? write_requests(&a, err) : check_sheet(&a, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && !a.write)
-        status = draw_sheet(&a, err);
-    iso_cli_end(&cli);
-    return status;
+    scenes_arguments *a = values;
+    a->cli = cli;
+    iso_status status = a->write ? write_requests(a, err) : check_sheet(a, err);
+    return status == ISO_OK && !a->write ? draw_sheet(a, err) : status;
 }
 
 const iso_command iso_command_scenes = {
@@ -408,5 +403,6 @@ const iso_command iso_command_scenes = {
         "  isoshade scenes shells.nrrd --scene refscenes/shells.scene.json --view top --zoom 1.5 --size 64 -o lit.png\n"
         "  isoshade scenes shells.nrrd --scene refscenes/shells.scene.json --size 24 --levels 1 --write elsewhere\n",
     .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    ISO_COMMAND_OPTIONS(scenes_arguments, options, .steps = -1),
     .run = run,
 };

@@ -153,40 +153,28 @@ static const struct {
                {"triangle", triangle}};
 static const iso_names action_names = ISO_NAMES_OF_NAMES("action", actions);
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"output", 'o', "file to write", "FILE", ISO_IN(iso_tf_arguments, output)},
+    ISO_OPTIONS_OF(iso_tf_arguments, look, iso_look_rows),
+    {"level", 0, "adapt, triangle: level (adapt: all, as NAME_level_K.tf.json)", "K", ISO_IN(iso_tf_arguments, level),
+     .most = 30},
+    {"levels", 0, "adapt, bound: number of levels of a volume", "N", ISO_IN(iso_tf_arguments, level_count),
+     .flags = ISO_SHOWN, .least = 2, .most = 30},
+    {"volume", 0, "convert, show: volume for fitted ranges; show: draw its histogram", "FILE",
+     ISO_IN(iso_tf_arguments, volume)},
+    ISO_OPTIONS_OF(iso_tf_arguments, adapted, iso_adapt_method_rows),
+    ISO_OPTIONS_OF(iso_tf_arguments, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    iso_tf_arguments a = {.level_count = 4};
-    iso_volume_input_defaults(&a.input);
-    iso_cli_adapted_defaults(&a.adapted);
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "file to write", "FILE"},
-        ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"level", 0, POPT_ARG_INT, &a.level, 0, "adapt, triangle: level (adapt: all, as NAME_level_K.tf.json)", "K"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.level_count, 0,
-         "adapt, bound: number of levels of a volume", "N"},
-        {"volume", 0, POPT_ARG_STRING, &a.volume, 0,
-         "convert, show: volume for fitted ranges; show: draw its histogram", "FILE"},
-        ISO_CLI_ADAPT_METHOD_OPTIONS(&a.adapted),
-        ISO_CLI_INPUT_OPTIONS(&a.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    a.cli = &cli;
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--level", a.level, 0, 30, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--levels", a.level_count, 2, 30, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = announce_output(&a, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN) {
-        size_t row = 0;
-        status = iso_names_find(&action_names, cli.arguments[0], &row, err);
-        TRY(status, actions[row].run(&a, err));
-    }
-    iso_cli_end(&cli);
-    return status;
+    iso_tf_arguments *a = values;
+    size_t row = 0;
+    a->cli = cli;
+    iso_status status = announce_output(a, err);
+    TRY(status, iso_names_find(&action_names, cli->arguments[0], &row, err));
+    return status == ISO_OK ? actions[row].run(a, err) : status;
 }
 
 const iso_command iso_command_tf = {
@@ -227,5 +215,6 @@ const iso_command iso_command_tf = {
         "  isoshade tf names shells.paraview.json\n"
         "  isoshade tf convert shells.paraview.json --unit-distance 2 -o ramp.png\n",
     .lists = (const iso_names *const[]){&iso_tf_format_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    ISO_COMMAND_OPTIONS(iso_tf_arguments, options, .level_count = 4, .adapted = ISO_CLI_ADAPTED_DEFAULTS),
     .run = run,
 };

@@ -29,6 +29,8 @@
 #include "cli/validate_scene.h"
 #include "cli/validate_viewer.h"
 #include "validate/validate.h"
+#include "cli/renderer_help.h"
+#include "scene/views.h"
 
 /* Scales down a quick run, which keeps every stage and limit, to smaller images and fewer levels. */
 static void scale_down(iso_validation *v, iso_scene *scene, const iso_validate_arguments *a)
@@ -141,7 +143,8 @@ static iso_status open_store(const iso_validate_arguments *a, iso_picture_store 
     return status;
 }
 
-static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cli, iso_picture_store *store, iso_error *err)
+static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cli, iso_picture_store *store,
+                              iso_error *err)
 {
     /* Options that choose the pictures; each picture's own hash has the rest. */
     static const char *const without[] = {"threads", "with",  "levels",     "budget", "anyway",
@@ -156,8 +159,8 @@ static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cl
 }
 
 /* Closes the store if it is open. If a signal ended a program and so the run, adds to *err how to resume. */
-static iso_status close_store(const iso_validate_arguments *a, iso_picture_store **store, bool remove, iso_status status,
-                              iso_error *err)
+static iso_status close_store(const iso_validate_arguments *a, iso_picture_store **store, bool remove,
+                              iso_status status, iso_error *err)
 {
     if (!*store)
         return status;
@@ -269,8 +272,8 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
                                     .scene = a->look.scene};
     scale_down(&v, scene, a);
     iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
-    TRY(status, iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid),
-                                  iso_pyramid_hi(pyramid), &view, err));
+    TRY(status, iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid), iso_pyramid_hi(pyramid),
+                                  &view, err));
     TRY(status, check_visible(a, cli, pyramid, &view, err));
     TRY(status, iso_report_create(&v.report, a->output, &about, err));
     TRY(status, begin_store(a, cli, *store, err));
@@ -313,8 +316,8 @@ static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *
     if (status != ISO_OK || !own_path)
         return status;
     iso_view view;
-    status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid), iso_pyramid_hi(pyramid), &view,
-                               err);
+    status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid), iso_pyramid_hi(pyramid),
+                               &view, err);
     iso_view_destroy(&view);
     if (status != ISO_OK) /* no copy of it is kept */
         return status;
@@ -425,60 +428,54 @@ static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *
     return close_store(a, &store, false, status, err);
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"output", 'o', "folder for the report", "DIR", ISO_IN(iso_validate_arguments, output)},
+    ISO_OPTIONS_OF(iso_validate_arguments, look, iso_look_rows),
+    {"suite", 0, "validate the scenes of a folder, which describe their volumes", "DIR",
+     ISO_IN(iso_validate_arguments, suite)},
+    {"quick", 0, "use smaller images, three levels and fewer views, with the same limits", NULL,
+     ISO_IN(iso_validate_arguments, quick)},
+    {"levels", 0, "number of levels, including the finest (4; 3 with --quick)", "N",
+     ISO_IN(iso_validate_arguments, level_count), .flags = ISO_NOT_ZERO, .least = 1, .most = 16},
+    {"with", 0, "renderers to compare with the reference (%s)", "LIST", ISO_IN(iso_validate_arguments, with),
+     ISO_NAMES_USUAL(ISO_HAS_LIMIT)},
+    ISO_CLI_RENDERERS_OPTION(iso_validate_arguments, renderers),
+    ISO_CLI_CYCLES_OPTIONS(iso_validate_arguments, cycles,
+                           "compare Cycles of these Blenders, given as paths or names in PATH", "A,B"),
+    {"images", 0, "compare pictures rendered elsewhere for isoshade scenes --write; repeatable", "NAME=DIR",
+     ISO_IN(iso_validate_arguments, images)},
+    ISO_CLI_GL_DEVICE_OPTION(iso_validate_arguments, gl_device),
+    {"seeds", 0, "renders with %s at each step, to test mean and scatter (4; 3 with --quick)", "N",
+     ISO_IN(iso_validate_arguments, seeds), .flags = ISO_NOT_ZERO, ISO_NAMES_RENDERERS(ISO_IS_RANDOM), .least = 2,
+     .most = 32},
+    {"limit-size", 0, "largest edge in pixels of pictures at several steps (96; 64 with --quick)", "N",
+     ISO_IN(iso_validate_arguments, limit_size), .flags = ISO_NOT_ZERO, .least = 8, .most = 65536},
+    {"budget", 0, "time limit in seconds, calibration excluded; skipped checks are listed", "SECONDS",
+     ISO_IN(iso_validate_arguments, budget)},
+    {"resume", 0, "continue an interrupted run for the same folder", NULL, ISO_IN(iso_validate_arguments, resume)},
+    {"level-views", 0, "views to judge the levels, at most 20 (6; 3 with --quick)", "N",
+     ISO_IN(iso_validate_arguments, level_views), .flags = ISO_NOT_ZERO, .least = 2, .most = ISO_FACE_VIEWS},
+    {"level-size", 0, "pixels per edge of these views (160; 96 with --quick)", "N",
+     ISO_IN(iso_validate_arguments, level_size), .flags = ISO_NOT_ZERO, .least = 16, .most = 1024},
+    {"extinction-scale", 0, "judge the levels with --adapt --extinction-scale", NULL,
+     ISO_IN(iso_validate_arguments, extinction_scale)},
+    {"code", 0, "direction code of the pyramid (fit)", "CODE", ISO_IN(iso_validate_arguments, code)},
+    {"anyway", 0, "validate even a scene that shows almost nothing, or only a box", NULL,
+     ISO_IN(iso_validate_arguments, anyway)},
+    {"viewer", 0, "add a viewer page (isoshade view), to which rows link", NULL,
+     ISO_IN(iso_validate_arguments, viewer)},
+    {"junit", 0, "also write the results as JUnit XML", "FILE.xml", ISO_IN(iso_validate_arguments, junit)},
+    {"summary-md", 0, "write a Markdown summary, for a CI page", "FILE.md", ISO_IN(iso_validate_arguments, summary_md)},
+    ISO_OPTIONS_OF(iso_validate_arguments, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    iso_validate_arguments a = {.budget = ISO_NO_BUDGET};
-    char names[256], with[320], seeds[400];
-    snprintf(with, sizeof with, "renderers to compare with the reference (%s)",
-             iso_renderers_by_default(ISO_HAS_LIMIT, names, sizeof names));
-    snprintf(seeds, sizeof seeds, "renders with %s at each step, to test mean and scatter (4; 3 with --quick)",
-             iso_renderers_with(ISO_IS_RANDOM, ", ", " and ", names, sizeof names));
-    iso_volume_input_defaults(&a.input);
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "folder for the report", "DIR"},
-        ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"suite", 0, POPT_ARG_STRING, &a.suite, 0, "validate the scenes of a folder, which describe their volumes",
-         "DIR"},
-        {"quick", 0, POPT_ARG_NONE, &a.quick, 0,
-         "use smaller images, three levels and fewer views, with the same limits", NULL},
-        {"levels", 0, POPT_ARG_INT, &a.level_count, ISO_CLI_NOT_ZERO,
-         "number of levels, including the finest (4; 3 with --quick)", "N"},
-        {"with", 0, POPT_ARG_STRING, &a.with, 0, with, "LIST"},
-        ISO_CLI_RENDERERS_OPTION(&a.renderers),
-        ISO_CLI_CYCLES_OPTIONS(&a.cycles, "compare Cycles of these Blenders, given as paths or names in PATH", "A,B"),
-        {"images", 0, POPT_ARG_ARGV, &a.images, 0,
-         "compare pictures rendered elsewhere for isoshade scenes --write; repeatable", "NAME=DIR"},
-        ISO_CLI_GL_DEVICE_OPTION(&a.gl_device),
-        {"seeds", 0, POPT_ARG_INT, &a.seeds, ISO_CLI_NOT_ZERO, seeds, "N"},
-        {"limit-size", 0, POPT_ARG_INT, &a.limit_size, ISO_CLI_NOT_ZERO,
-         "largest edge in pixels of pictures at several steps (96; 64 with --quick)", "N"},
-        {"budget", 0, POPT_ARG_DOUBLE, &a.budget, 0,
-         "time limit in seconds, calibration excluded; skipped checks are listed", "SECONDS"},
-        {"resume", 0, POPT_ARG_NONE, &a.resume, 0, "continue an interrupted run for the same folder", NULL},
-        {"level-views", 0, POPT_ARG_INT, &a.level_views, ISO_CLI_NOT_ZERO,
-         "views to judge the levels, at most 20 (6; 3 with --quick)", "N"},
-        {"level-size", 0, POPT_ARG_INT, &a.level_size, ISO_CLI_NOT_ZERO,
-         "pixels per edge of these views (160; 96 with --quick)", "N"},
-        {"extinction-scale", 0, POPT_ARG_NONE, &a.extinction_scale, 0,
-         "judge the levels with --adapt --extinction-scale", NULL},
-        {"code", 0, POPT_ARG_STRING, &a.code, 0, "direction code of the pyramid (fit)", "CODE"},
-        {"anyway", 0, POPT_ARG_NONE, &a.anyway, 0, "validate even a scene that shows almost nothing, or only a box",
-         NULL},
-        {"viewer", 0, POPT_ARG_NONE, &a.viewer, 0, "add a viewer page (isoshade view), to which rows link", NULL},
-        {"junit", 0, POPT_ARG_STRING, &a.junit, 0, "also write the results as JUnit XML", "FILE.xml"},
-        {"summary-md", 0, POPT_ARG_STRING, &a.summary_md, 0, "write a Markdown summary, for a CI page", "FILE.md"},
-        ISO_CLI_INPUT_OPTIONS(&a.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (a.gl_device)
-        setenv(ISO_GL_DEVICE_VARIABLE, a.gl_device, 1);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = check_and_run(&a, &cli, err);
-    iso_cli_end(&cli);
-    return status;
+    iso_validate_arguments *a = values;
+    if (a->gl_device)
+        setenv(ISO_GL_DEVICE_VARIABLE, a->gl_device, 1);
+    return check_and_run(a, cli, err);
 }
 
 const iso_command iso_command_validate = {
@@ -514,5 +511,6 @@ const iso_command iso_command_validate = {
         "  isoshade validate shells.nrrd --scene refscenes/shells.scene.json --quick --with gl --size 32 --budget 20 -o report-hurried\n"
         "  isoshade validate --suite refscenes/suite --quick --with gl --size 16 --junit suite.xml -o report-suite\n",
     .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    ISO_COMMAND_OPTIONS(iso_validate_arguments, options, .budget = ISO_NO_BUDGET),
     .run = run,
 };

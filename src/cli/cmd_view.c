@@ -128,13 +128,13 @@ static void report(const view_arguments *a, const iso_cli *cli, const iso_viewer
     const size_t *n = v->pyramid->levels[v->first].geometry.size;
     if (cli->json) {
         json_t *root = iso_cli_json(cli);
-        json_object_update_new(root, json_pack("{s:s, s:I, s:I, s:I, s:I, s:[I,I,I], s:I, s:f}", "page", a->output,
-                                               "page_bytes", (json_int_t)size->page_bytes, "data_bytes",
-                                               (json_int_t)size->data_bytes, "voxel_bytes",
-                                               (json_int_t)size->voxel_bytes, "level", (json_int_t)v->first,
-                                               "level_size", (json_int_t)n[0], (json_int_t)n[1], (json_int_t)n[2],
-                                               "level_count", (json_int_t)(v->last - v->first + 1), "quantum",
-                                               size->quantum));
+        json_object_update_new(root,
+                               json_pack("{s:s, s:I, s:I, s:I, s:I, s:[I,I,I], s:I, s:f}", "page", a->output,
+                                         "page_bytes", (json_int_t)size->page_bytes, "data_bytes",
+                                         (json_int_t)size->data_bytes, "voxel_bytes", (json_int_t)size->voxel_bytes,
+                                         "level", (json_int_t)v->first, "level_size", (json_int_t)n[0],
+                                         (json_int_t)n[1], (json_int_t)n[2], "level_count",
+                                         (json_int_t)(v->last - v->first + 1), "quantum", size->quantum));
         if (v->plan)
             json_object_set_new(root, "plan",
                                 json_pack("{s:s, s:I, s:I, s:I, s:o, s:o}", "name", v->plan->name, "drawn",
@@ -153,8 +153,8 @@ static void report(const view_arguments *a, const iso_cli *cli, const iso_viewer
     printf("%s: %s, the finest %zu x %zu x %zu, %.3g MB (%.3g kB of it the page itself)\n", a->output, levels, n[0],
            n[1], n[2], (double)size->page_bytes / 1e6, (double)(size->page_bytes - size->data_bytes) / 1e3);
     if (v->plan) {
-        printf("%s: %zu of %zu bricks in %.3g million texels, of %.3g million voxels\n", v->plan->name, size->plan_bricks,
-               iso_brick_count(v->plan->nodes), 1e-6 * (double)size->plan_texels,
+        printf("%s: %zu of %zu bricks in %.3g million texels, of %.3g million voxels\n", v->plan->name,
+               size->plan_bricks, iso_brick_count(v->plan->nodes), 1e-6 * (double)size->plan_texels,
                1e-6 * (double)iso_geometry_voxel_count(&v->pyramid->levels[0].geometry));
         printf("RMSE %.3g predicted, %.3g measured, against pictures of level 0 in the views of the plan\n",
                v->plan->predicted_rmse, v->plan->measured_rmse);
@@ -171,9 +171,6 @@ static iso_status check(const view_arguments *a, iso_error *err)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: page to write, .html");
     if (status == ISO_OK && a->plan && a->level == 0)
         status = iso_fail(err, ISO_E_USAGE, "--plan and --level 0 exclude each other: the plan replaces level 0");
-    TRY(status, iso_words_check_range("--level", a->level, -1, 31, err));
-    TRY(status, iso_words_check_range("--levels", a->levels, 1, 16, err));
-    TRY(status, iso_words_check_range("--most-voxels", a->most, 1, 1e9, err));
     return status;
 }
 
@@ -219,9 +216,15 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     iso_pyramid pyramid = {0};
     iso_scene scene = {0};
     iso_subject_look look;
-    iso_viewer v = {.pyramid = &pyramid, .scene = &scene, .floats = a->floats, .adapted = a->adapted, .errors = a->errors,
+    iso_viewer v = {.pyramid = &pyramid,
+                    .scene = &scene,
+                    .floats = a->floats,
+                    .adapted = a->adapted,
+                    .errors = a->errors,
                     .compact = a->compact,
-                    .threads = cli->threads, .title = iso_provenance_title(path), .input = input,
+                    .threads = cli->threads,
+                    .title = iso_provenance_title(path),
+                    .input = input,
                     .folder = is_pyramid ? path : NULL};
     iso_viewer_size size;
     view_plan plan = {.page = {.name = NULL}};
@@ -258,39 +261,32 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"output", 'o', "page to write", "VIEW.html", ISO_IN(view_arguments, output)},
+    ISO_OPTIONS_OF(view_arguments, look, iso_look_rows),
+    {"level", 0, "finest level in the page (the finest that is small enough)", "K", ISO_IN(view_arguments, level),
+     .most = 31},
+    {"levels", 0, "number of levels in the page", "N", ISO_IN(view_arguments, levels), .flags = ISO_SHOWN, .least = 1,
+     .most = 16},
+    {"most-voxels", 0, "largest voxel count of the finest level (32e6)", "N", ISO_IN(view_arguments, most), .least = 1,
+     .most = 1e9},
+    {"plan", 0, "bricks of isoshade plan instead of level 0, for large volumes", "PLAN.json",
+     ISO_IN(view_arguments, plan)},
+    {"code", 0, "direction codes of the page; none: only gradients on the fly, smaller", "CODE,..",
+     ISO_IN(view_arguments, codes)},
+    {"float", 0, "keep float levels as floats, not as 16 bits; doubles the page's size", NULL,
+     ISO_IN(view_arguments, floats)},
+    {"errors", 0, "measure the error of each coarse level, not only of the finest", NULL,
+     ISO_IN(view_arguments, errors)},
+    {"compact", 0, "start with the picture alone, for frames in other pages", NULL, ISO_IN(view_arguments, compact)},
+    {"adapt", 0, "start with transfer functions adapted to coarse levels", NULL, ISO_IN(view_arguments, adapted)},
+    ISO_OPTIONS_OF(view_arguments, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    view_arguments a = {.level = -1, .levels = LEVELS, .most = ISO_VIEWER_MOST_VOXELS};
-    iso_volume_input_defaults(&a.input);
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &a.output, 0, "page to write", "VIEW.html"},
-        ISO_CLI_LOOK_OPTIONS(&a.look),
-        {"level", 0, POPT_ARG_INT, &a.level, 0, "finest level in the page (the finest that is small enough)", "K"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &a.levels, 0, "number of levels in the page", "N"},
-        {"most-voxels", 0, POPT_ARG_DOUBLE, &a.most, 0, "largest voxel count of the finest level (32e6)", "N"},
-        {"plan", 0, POPT_ARG_STRING, &a.plan, 0, "bricks of isoshade plan instead of level 0, for large volumes",
-         "PLAN.json"},
-        {"code", 0, POPT_ARG_STRING, &a.codes, 0,
-         "direction codes of the page; none: only gradients on the fly, smaller", "CODE,.."},
-        {"float", 0, POPT_ARG_NONE, &a.floats, 0,
-         "keep float levels as floats, not as 16 bits; doubles the page's size", NULL},
-        {"errors", 0, POPT_ARG_NONE, &a.errors, 0, "measure the error of each coarse level, not only of the finest",
-         NULL},
-        {"compact", 0, POPT_ARG_NONE, &a.compact, 0, "start with the picture alone, for frames in other pages", NULL},
-        {"adapt", 0, POPT_ARG_NONE, &a.adapted, 0, "start with transfer functions adapted to coarse levels", NULL},
-        ISO_CLI_INPUT_OPTIONS(&a.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = view(&a, &cli, err);
-    iso_cli_end(&cli);
-    free(a.output);
-    free(a.codes);
-    free(a.plan);
-    return status;
+    return view(values, cli, err);
 }
 
 const iso_command iso_command_view = {
@@ -312,5 +308,6 @@ const iso_command iso_command_view = {
         "  isoshade plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --brick 8 --levels 3 -o shells.plan.json\n"
         "  isoshade view shells.nrrd --scene refscenes/shells.scene.json --plan shells.plan.json -o planned.html\n",
     .lists = (const iso_names *const[]){&iso_code_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
+    ISO_COMMAND_OPTIONS(view_arguments, options, .level = -1, .levels = LEVELS, .most = ISO_VIEWER_MOST_VOXELS),
     .run = run,
 };

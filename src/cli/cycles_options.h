@@ -3,20 +3,18 @@
 #ifndef ISO_CLI_CYCLES_OPTIONS_H
 #define ISO_CLI_CYCLES_OPTIONS_H
 
-#include <popt.h>
-
 #include "base/json.h"
 #include "base/status.h"
+#include "options/option.h"
 
 typedef struct iso_cli_cycles {
     char *blender, *device;
 } iso_cli_cycles;
 
 /* clang-format off */
-#define ISO_CLI_CYCLES_OPTIONS(a, what, argument)                                                                  \
-    {"blender", 0, POPT_ARG_STRING, &(a)->blender, 0, what, argument},                                            \
-    {"cycles-device", 0, POPT_ARG_STRING, &(a)->device, 0,                                                        \
-     "device of Cycles: cpu, gpu, optix, cuda, hip, oneapi or metal (cpu)", "DEVICE"}
+#define ISO_CLI_CYCLES_OPTIONS(type, member, what, argument) \
+    {"blender", 0, what, argument, ISO_IN(type, member.blender)}, \
+    {"cycles-device", 0, "device of Cycles: cpu, gpu, optix, cuda, hip, oneapi or metal (cpu)", "DEVICE", ISO_IN(type, member.device)}
 /* clang-format on */
 
 /* Applies the options. with: requested renderers, or NULL for all; they must include Cycles if options for it are

@@ -20,8 +20,6 @@ static iso_status check_plan(const iso_export_arguments *a, iso_error *err)
         return a->grids ? iso_fail(err, ISO_E_USAGE, "--grids needs --plan") : ISO_OK;
     if (!a->look.scene)
         return iso_fail(err, ISO_E_USAGE, "--plan needs its --scene");
-    if (!iso_export_wants_merged(a) && strcmp(a->grids, "levels") != 0)
-        return iso_fail(err, ISO_E_USAGE, "--grids is \"%s\", must be merged or levels", a->grids);
     if (a->level != 0 || a->level_count != 1 || a->adapted.wanted || a->adapted.extinction_scale || a->isosurface ||
         a->roi.box)
         return iso_fail(
@@ -149,10 +147,6 @@ iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **t
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing: %s", (*target)->summary);
     TRY(status, check_ending(*target, a->output, err));
-    TRY(status, iso_words_check_range("--level", a->level, 0, 63, err));
-    TRY(status, iso_words_check_range("--levels", a->level_count, 1, 32, err));
-    if (status == ISO_OK && a->step != ISO_STEP_OF_SCENE)
-        status = iso_words_check_range("--step", a->step, 1e-3, 16, err);
     TRY(status, check_options(a, *target, err));
     if (status == ISO_OK && a->material)
         status = iso_names_find(&iso_blender_material_names, a->material, &a->material_row, err);

@@ -3,6 +3,7 @@
 #ifndef ISO_EXPORT_OPTIONS_H
 #define ISO_EXPORT_OPTIONS_H
 
+#include "cli/cycles_options.h"
 #include "options/adapted.h"
 #include "options/cli.h"
 #include "options/input.h"
@@ -16,6 +17,7 @@ typedef struct iso_export_arguments {
     iso_cli_adapted adapted;
     iso_cli_roi roi;
     iso_cli_look look;
+    iso_cli_cycles cycles;
     iso_bake_words bake_words;
     iso_bake_request bake;
     char *to, *output, *isosurface, *plan, *grids, *frames, *channels, *material, *background_text;

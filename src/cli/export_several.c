@@ -174,7 +174,7 @@ static iso_status load(void *user, size_t i, iso_pyramid *p, iso_view *view, cha
     if (v->channel)
         input.channel = v->channel;
     else if (i > 0)
-        iso_volume_input_defaults(&input); /* the options apply only to the first volume */
+        input = (iso_volume_input){0}; /* the options apply only to the first volume */
     iso_status status = iso_subject_load_pyramid(v->path, &input, &build, &job->progress, p, err);
     TRY(status, iso_pyramid_check_level(p, v->path, a->level, err));
     TRY(status, make_view(job, i, p, view, err));

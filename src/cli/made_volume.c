@@ -28,7 +28,7 @@ static iso_status run_make(const char *make, int argc, const char **argv, iso_er
 {
     iso_command inner = iso_command_make;
     inner.is_inner = true;
-    const iso_status status = inner.run(&inner, argc, argv, err);
+    const iso_status status = iso_command_run(&inner, argc, argv, err);
     return status == ISO_E_USAGE ? iso_fail_in(err, ISO_E_FORMAT, "\"make\" is \"%s\"", make) : status;
 }
 

@@ -23,8 +23,7 @@ static const iso_program *running;
 
 static void print_overview(FILE *file)
 {
-    fprintf(file,
-            "%s %s: %s\n\nusage: %s COMMAND [options]\n\ncommands:\n", running->name, ISO_VERSION, running->title,
+    fprintf(file, "%s %s: %s\n\nusage: %s COMMAND [options]\n\ncommands:\n", running->name, ISO_VERSION, running->title,
             running->name);
     for (const iso_command *const *c = running->commands; *c; ++c)
         fprintf(file, "  %-10s %s\n", (*c)->name, (*c)->summary);
@@ -132,7 +131,7 @@ static int run(int argc, const char **argv)
             continue;
         const char *const name = name_of(*c, argc, argv);
         iso_memory_set_command(running->name, name);
-        status = (*c)->run(*c, argc - 1, argv + 1, &err);
+        status = iso_command_run(*c, argc - 1, argv + 1, &err);
         return report(name, flush_output(status, &err), &err);
     }
     fprintf(stderr, "%s: unknown command \"%s\"%s; %s --help lists them\n", running->name, argv[1],

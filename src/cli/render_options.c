@@ -104,11 +104,7 @@ static iso_status check_cache(const iso_render_arguments *a, const iso_renderer_
             or_list(ISO_HAS_BRICKS, names));
     if (a->page_side && renderer == &iso_renderer_cpu)
         return iso_fail(err, ISO_E_USAGE, "--page-side is a limit of textures, without effect for --with cpu");
-    iso_status status = a->plan_error > 0 ? ISO_OK
-                                          : iso_words_check_range("--cache-bytes", a->cache_bytes, 1, 1e15, err);
-    TRY(status, iso_words_check_range("--brick", a->brick, 2, ISO_BRICK_MOST_VOXELS, err));
-    TRY(status, iso_words_check_range("--brick-levels", a->brick_levels, 1, ISO_BRICK_MAX_LEVELS, err));
-    return status == ISO_OK ? iso_words_check_range("--page-side", a->page_side, 0, 65536, err) : status;
+    return ISO_OK;
 }
 
 /* Checks --limit, whose renders may differ only in their steps. */
@@ -128,7 +124,7 @@ static iso_status check_limit(const iso_render_arguments *a, const iso_renderer_
                         a->intervals);
     if (a->seeds && !iso_renderer_has(renderer, ISO_IS_RANDOM))
         return iso_fail(err, ISO_E_USAGE, "--seeds needs --with %s", or_list(ISO_IS_RANDOM, names));
-    return a->seeds ? iso_words_check_range("--seeds", a->seeds, 2, 32, err) : ISO_OK;
+    return ISO_OK;
 }
 
 iso_status iso_render_take_options(const iso_render_arguments *a, int threads, iso_render_options *opt, iso_error *err)
@@ -138,13 +134,8 @@ iso_status iso_render_take_options(const iso_render_arguments *a, int threads, i
     *opt = iso_render_defaults(status == ISO_OK ? renderer : iso_renderers_usual());
     if (status == ISO_OK && a->source)
         status = iso_direction_source_from_name(a->source, &opt->source, err);
-    if (status == ISO_OK && a->step != ISO_STEP_OF_SCENE)
-        status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
     TRY(status, iso_words_check_range("--intervals", a->intervals, 0,
                                       renderer->max_intervals ? (double)renderer->max_intervals : 1e6, err));
-    TRY(status, iso_words_check_range("--planes", a->planes, 0, 64, err));
-    TRY(status, iso_words_check_range("--samples", a->samples, 0, 65536, err));
-    TRY(status, iso_words_check_range("--level", a->level, 0, 63, err));
     TRY(status, check_for_renderer(a, renderer, err));
     TRY(status, check_cache(a, renderer, err));
     TRY(status, check_limit(a, renderer, err));

@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "cli/cycles_options.h"
 #include "options/adapted.h"
 #include "options/input.h"
 #include "options/look.h"
@@ -21,6 +22,7 @@ typedef struct iso_render_arguments {
     iso_cli_adapted adapted;
     iso_cli_roi roi;
     iso_cli_look look;
+    iso_cli_cycles cycles;
     const char *with, *renderers, *gl_device;
     char *output, *png, *frames, *source, *quadrature, *isosurface, *palette;
     int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels,

@@ -33,8 +33,7 @@ static iso_status check(const iso_render_arguments *a, const iso_cli *cli, iso_e
             "--memory needs --with cpu, without --frames, --shading-from, --palette, --shade-table, "
             "--exact-lookups, --isosurface, --quadrature, --limit, --code, --estimator, --direction-filter, "
             "--adapt, --extinction-scale, --roi, --cache-bytes and --plan-error");
-    const iso_status status = iso_render_check_output(a, err);
-    return status == ISO_OK ? iso_words_check_range("--memory", a->memory_mb, 1, 1e9, err) : status;
+    return iso_render_check_output(a, err);
 }
 
 /* Makes the view. A transfer function that depends on all values would need to read them all. */
@@ -121,9 +120,6 @@ iso_status iso_cli_render_paged(const iso_render_arguments *a, const iso_cli *cl
     iso_view view = {0};
     json_t *frames = json_array();
     iso_status status = check(a, cli, err);
-    if (status == ISO_OK && a->step != ISO_STEP_OF_SCENE)
-        status = iso_words_check_range("--step", a->step, 1e-3, 100, err);
-    TRY(status, iso_words_check_range("--level", a->level, 0, 63, err));
     TRY(status, iso_pyramid_load_outline(cli->arguments[0], &pyramid, err));
     TRY(status, iso_pyramid_check_level(&pyramid, cli->arguments[0], (size_t)a->level, err));
     TRY(status, make_view(a, cli, &pyramid, &view, err));

@@ -45,17 +45,9 @@ static iso_status check_folder(const char *option, const char *path, const char 
 iso_status iso_validate_check_arguments(const iso_validate_arguments *a, const iso_cli *cli, iso_pyramid_options *build,
                                         iso_error *err)
 {
-    iso_status status = iso_words_check_range("--levels", a->level_count ? a->level_count : 1, 1, 16, err);
-    if (status == ISO_OK && a->seeds)
-        status = iso_words_check_range("--seeds", a->seeds, 2, 32, err);
-    if (status == ISO_OK && a->level_views)
-        status = iso_words_check_range("--level-views", a->level_views, 2, ISO_FACE_VIEWS, err);
-    if (status == ISO_OK && a->level_size)
-        status = iso_words_check_range("--level-size", a->level_size, 16, 1024, err);
-    if (status == ISO_OK && a->budget != ISO_NO_BUDGET && !(a->budget > 0 && isfinite(a->budget)))
+    iso_status status = ISO_OK;
+    if (a->budget != ISO_NO_BUDGET && !(a->budget > 0 && isfinite(a->budget)))
         status = iso_fail(err, ISO_E_USAGE, "--budget is %g, must be above 0 seconds", a->budget);
-    if (status == ISO_OK && a->limit_size)
-        status = iso_words_check_range("--limit-size", a->limit_size, 8, 65536, err);
     if (status == ISO_OK && !a->output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the report");
     if (status == ISO_OK && (a->suite ? 0 : 1) != cli->argument_count)

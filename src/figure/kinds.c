@@ -13,18 +13,9 @@
 #include "pyramid/pyramid.h"
 
 const iso_figure_info *const iso_figure_kinds[] = {
-    &iso_figure_levels,
-    &iso_figure_renderers,
-    &iso_figure_grid,
-    &iso_figure_methods,
-    &iso_figure_tf,
-    &iso_figure_contact,
-    &iso_figure_failure,
-    &iso_figure_chart,
-    &iso_figure_plan,
-    &iso_figure_slices,
-    &iso_figure_turntable,
-    NULL,
+    &iso_figure_levels, &iso_figure_renderers, &iso_figure_grid,      &iso_figure_methods,
+    &iso_figure_tf,     &iso_figure_contact,   &iso_figure_failure,   &iso_figure_chart,
+    &iso_figure_plan,   &iso_figure_slices,    &iso_figure_turntable, NULL,
 };
 const iso_names iso_figure_kind_names = {
     "kind of figure",
@@ -68,11 +59,6 @@ static iso_status check_numbers(const iso_figure_job *job, iso_error *err)
         return iso_fail(err, ISO_E_RANGE, "--height is %g, must be 40 to 1000 mm", job->height_mm);
     if (!(job->dpi >= 36 && job->dpi <= 1200))
         return iso_fail(err, ISO_E_RANGE, "--dpi is %g, must be 36 to 1200", job->dpi);
-    TRY(status, iso_words_check_range("--level", job->level, 0, 63, err));
-    if (status == ISO_OK && job->levels)
-        status = iso_words_check_range("--levels", job->levels, 1, ISO_FIGURE_MOST_LEVELS, err);
-    if (status == ISO_OK && job->frames)
-        status = iso_words_check_range("--frames", job->frames, 2, ISO_FIGURE_MOST_FRAMES, err);
     if (status == ISO_OK && z[2] != 0 &&
         !(z[0] >= 0 && z[1] >= 0 && z[2] >= 0.01 && z[3] >= 0.01 && z[0] + z[2] <= 1 && z[1] + z[3] <= 1))
         status =

@@ -225,35 +225,27 @@ static iso_status run_all(bound_bench *b, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"views", 0, "use N views from an icosahedron's faces", "N", ISO_IN(bound_bench, views), .flags = ISO_SHOWN},
+    {"size", 0, "render N x N pixels", "N", ISO_IN(bound_bench, size), .flags = ISO_SHOWN},
+    {"levels", 0, "use N levels, counting level 0", "N", ISO_IN(bound_bench, levels), .flags = ISO_SHOWN},
+    {"shaded", 0, "shade with a light", NULL, ISO_IN(bound_bench, shaded)},
+    {"points", 0, "set the bound's points per voxel axis (2; 1 in large volumes)", "N", ISO_IN(bound_bench, points),
+     .most = 8},
+    {"causes", 0, "split each factor into signs and regions", NULL, ISO_IN(bound_bench, causes)},
+    {"perspective", 0, "use a perspective camera instead of an orthographic one", NULL,
+     ISO_IN(bound_bench, perspective)},
+    ISO_OPTIONS_OF(bound_bench, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    bound_bench b = {.views = 3, .size = 96, .levels = 4};
-    iso_volume_input_defaults(&b.input);
-    struct poptOption options[] = {
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0, "use N views from an icosahedron's faces",
-         "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "render N x N pixels", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
-        {"shaded", 0, POPT_ARG_NONE, &b.shaded, 0, "shade with a light", NULL},
-        {"points", 0, POPT_ARG_INT, &b.points, 0, "set the bound's points per voxel axis (2; 1 in large volumes)", "N"},
-        {"causes", 0, POPT_ARG_NONE, &b.causes, 0, "split each factor into signs and regions", NULL},
-        {"perspective", 0, POPT_ARG_NONE, &b.perspective, 0, "use a perspective camera instead of an orthographic one",
-         NULL},
-        ISO_CLI_INPUT_OPTIONS(&b.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    b.cli = &cli;
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_lab_check_pictures(&(iso_lab_pictures){b.views, ISO_FACE_VIEWS, b.size, b.levels, 8}, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--points", b.points, 0, 8, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = run_all(&b, err);
-    iso_cli_end(&cli);
-    return status;
+    bound_bench *b = values;
+    b->cli = cli;
+    iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){b->views, ISO_FACE_VIEWS, b->size, b->levels, 8},
+                                               err);
+    return status == ISO_OK ? run_all(b, err) : status;
 }
 
 const iso_command iso_lab_bound = {
@@ -268,5 +260,6 @@ const iso_command iso_lab_bound = {
         "absolute values along the rays / RMSE, and the bound / that integral.",
     .examples = "  isoshade make shells --size 40 --type uint8 -o shells.nrrd\n"
                 "  isoshade-lab bound shells.nrrd --views 1 --size 48 --levels 2\n",
+    ISO_COMMAND_OPTIONS(bound_bench, options, .views = 3, .size = 96, .levels = 4),
     .run = run,
 };

@@ -29,6 +29,7 @@
 #include "tf/adapt.h"
 #include "volume/synthetic.h"
 #include "renderers/external.h"
+#include "cli/renderer_help.h"
 
 enum { MAX_VIEWS = ISO_FACE_VIEWS, MAX_LEVELS = 8, HELD = 1 };
 
@@ -44,7 +45,7 @@ typedef struct bench_run {
     int views, size, levels, level, shaded, quick, analytic_size, paper_setup;
     double step_voxels;
     char *held, *figures;
-    const char *with, *tf_names;
+    const char *with, *tf_names, *methods;
     char *renderers_path;
     bool wanted[ISO_LAB_METHOD_COUNT], wanted_tf[ISO_LEVEL_TF_COUNT];
     bool wanted_renderer[ISO_MAX_RENDERERS];
@@ -338,10 +339,8 @@ static iso_status choose_renderers(bench_run *run, iso_error *err)
 static iso_status check_options(bench_run *run, const char *methods, iso_error *err)
 {
     iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){run->views, MAX_VIEWS, run->size, run->levels,
-                                                                       MAX_LEVELS},
-                                                 err);
-    TRY(status, iso_words_check_range("--level", run->level, 0, MAX_LEVELS - 1, err));
-    TRY(status, iso_words_check_range("--step", run->step_voxels, 0.01, 4, err));
+                                                                   MAX_LEVELS},
+                                               err);
     if (status == ISO_OK && run->analytic_size != 0)
         status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
     TRY(status, iso_lab_choose_methods(methods, run->wanted, err));
@@ -384,64 +383,54 @@ static iso_status run_all(bench_run *run, const char *methods, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"views", 0, "use N views from an icosahedron's faces, at most 20", "N", ISO_IN(bench_run, views),
+     .flags = ISO_SHOWN},
+    {"size", 0, "render N x N pixels", "N", ISO_IN(bench_run, size), .flags = ISO_SHOWN},
+    {"levels", 0, "use N levels, counting level 0", "N", ISO_IN(bench_run, levels), .flags = ISO_SHOWN},
+    {"step", 0, "set the ray step in voxels of the level", "VOXELS", ISO_IN(bench_run, step_voxels), .flags = ISO_SHOWN,
+     .least = 0.01, .most = 4},
+    {"methods", 0, "compare the original with these methods, or all", "NAMES", ISO_IN(bench_run, methods),
+     .flags = ISO_SHOWN},
+    {"tfs", 0, "use only these transfer functions", "NAMES", ISO_IN(bench_run, tf_names), .flags = ISO_SHOWN},
+    {"level", 0, "measure only this level", "K", ISO_IN(bench_run, level), .most = MAX_LEVELS - 1},
+    {"with", 0, "render with some of %s, each against its own level 0", "LIST", ISO_IN(bench_run, with),
+     .flags = ISO_SHOWN, ISO_NAMES_RENDERERS(0)},
+    ISO_CLI_RENDERERS_OPTION(bench_run, renderers_path),
+    {"held", 0, "report these volumes in a separate block", "FILE,FILE", ISO_IN(bench_run, held)},
+    {"analytic", 0, "hold back shells, marschner-lobb and noise of this size, with 5 % noise", "N",
+     ISO_IN(bench_run, analytic_size)},
+    {"shaded", 0, "shade with a headlight (emission only)", NULL, ISO_IN(bench_run, shaded)},
+    {"paper-setup", 0, "Gaussian pyramid, 20 views, pre-integration, on-the-fly gradients, one-voxel steps", NULL,
+     ISO_IN(bench_run, paper_setup)},
+    {"quick", 0, "use two views of 96 pixels, analytic volumes of 48^3", NULL, ISO_IN(bench_run, quick)},
+    {"figures", 0, "draw Figures 8 and 9 of the paper into this folder", "DIR", ISO_IN(bench_run, figures)},
+    ISO_OPTIONS_OF(bench_run, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    bench_run b = {.views = 8,
-                   .size = 128,
-                   .levels = 4,
-                   .step_voxels = 0.5,
-                   .with = iso_renderers_usual()->name,
-                   .tf_names = "surface,soft,two-material,shell"};
-    const char *methods = "paper,default";
-    char names[256], with[300];
-    snprintf(with, sizeof with, "render with some of %s, each against its own level 0",
-             iso_renderers_with(0, ", ", ", ", names, sizeof names));
-    iso_volume_input_defaults(&b.input);
-    struct poptOption options[] = {
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.views, 0,
-         "use N views from an icosahedron's faces, at most 20", "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "render N x N pixels", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
-        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.step_voxels, 0,
-         "set the ray step in voxels of the level", "VOXELS"},
-        {"methods", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &methods, 0,
-         "compare the original with these methods, or all", "NAMES"},
-        {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.tf_names, 0, "use only these transfer functions",
-         "NAMES"},
-        {"level", 0, POPT_ARG_INT, &b.level, 0, "measure only this level", "K"},
-        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &b.with, 0, with, "LIST"},
-        ISO_CLI_RENDERERS_OPTION(&b.renderers_path),
-        {"held", 0, POPT_ARG_STRING, &b.held, 0, "report these volumes in a separate block", "FILE,FILE"},
-        {"analytic", 0, POPT_ARG_INT, &b.analytic_size, 0,
-         "hold back shells, marschner-lobb and noise of this size, with 5 % noise", "N"},
-        {"shaded", 0, POPT_ARG_NONE, &b.shaded, 0, "shade with a headlight (emission only)", NULL},
-        {"paper-setup", 0, POPT_ARG_NONE, &b.paper_setup, 0,
-         "Gaussian pyramid, 20 views, pre-integration, on-the-fly gradients, one-voxel steps", NULL},
-        {"quick", 0, POPT_ARG_NONE, &b.quick, 0, "use two views of 96 pixels, analytic volumes of 48^3", NULL},
-        {"figures", 0, POPT_ARG_STRING, &b.figures, 0, "draw Figures 8 and 9 of the paper into this folder", "DIR"},
-        ISO_CLI_INPUT_OPTIONS(&b.input),
-        POPT_TABLEEND,
-    };
+    bench_run *b = values;
+    b->cli = cli;
+    if (cli->argument_count == 0 && !b->held && !b->analytic_size)
+        return iso_command_run(&iso_lab_shading, cli->argc, cli->argv, err);
+    const iso_status status = iso_renderers_load(b->renderers_path, err);
+    return status == ISO_OK ? run_all(b, b->methods, err) : status;
+}
+
+/* Runs one of three parts, which have options of their own. */
+static iso_status run_part(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
     for (int i = 1; i < argc; ++i) {
         if (strcmp(argv[i], "--shading") == 0)
-            return iso_lab_shading(argc, argv, err);
+            return iso_command_run(&iso_lab_shading, argc, argv, err);
         if (strcmp(argv[i], "--filters") == 0 || strcmp(argv[i], "--holes") == 0)
-            return iso_lab_filters(argc, argv, err);
+            return iso_command_run(&iso_lab_filters, argc, argv, err);
     }
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    const bool no_volume = status == ISO_OK && next == ISO_CLI_RUN && cli.argument_count == 0 && !b.held &&
-                           !b.analytic_size;
-    b.cli = &cli;
-    if (status == ISO_OK && next == ISO_CLI_RUN && !no_volume)
-        status = iso_renderers_load(b.renderers_path, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && !no_volume)
-        status = run_all(&b, methods, err);
-    iso_cli_end(&cli);
-    free(b.held);
-    free(b.figures);
-    return no_volume ? iso_lab_shading(argc, argv, err) : status;
+    iso_command levels = *self;
+    levels.run_words = NULL;
+    return iso_command_run(&levels, argc, argv, err);
 }
 
 const iso_command iso_lab_consistency = {
@@ -461,5 +450,8 @@ const iso_command iso_lab_consistency = {
         "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
         "  isoshade-lab consistency shells.nrrd --views 3 --size 64 --levels 3\n"
         "  isoshade-lab consistency shells.nrrd --with gl,povray --size 48 --views 1 --level 1 --tfs soft --methods default\n",
+    ISO_COMMAND_OPTIONS(bench_run, options, .views = 8, .size = 128, .levels = 4, .step_voxels = 0.5, .with = "gl",
+                        .tf_names = "surface,soft,two-material,shell", .methods = "paper,default"),
     .run = run,
+    .run_words = run_part,
 };

@@ -22,6 +22,7 @@
 #include "compare/metrics.h"
 #include "compare/extrapolation.h"
 #include "renderers/external.h"
+#include "cli/renderer_help.h"
 
 ISO_EMBED(iso_convergence_gp, "src/lab/convergence.gp");
 
@@ -173,16 +174,6 @@ static iso_status parse_renderers(const char *text, descent d[ISO_MAX_RENDERERS]
     return status;
 }
 
-static iso_status check(const convergence_options *o, iso_error *err)
-{
-    iso_status status = iso_words_check_range("--steps", o->steps, 2, 6, err);
-    TRY(status, iso_words_check_range("--finest", o->finest, 1e-3, 10, err));
-    TRY(status, iso_words_check_range("--level", o->level, 0, 63, err));
-    if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", must be svg or pdf", o->format);
-    return status;
-}
-
 static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
@@ -195,8 +186,7 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     iso_image reference = {0};
     descent d[ISO_MAX_RENDERERS];
     size_t count = 0;
-    iso_status status = check(o, err);
-    TRY(status, iso_renderers_load(o->renderers, err));
+    iso_status status = iso_renderers_load(o->renderers, err);
     TRY(status, parse_renderers(o->with, d, &count, err));
     TRY(status, iso_cli_look_check(&o->look, cli->threads, &look, err));
     build.threads = exact.threads = cli->threads;
@@ -228,51 +218,27 @@ static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_er
     return status;
 }
 
-/* Lists the renderers with a limit and without noise, which would hide the order. */
-static char *default_renderers(char *text, size_t size)
-{
-    size_t length = 0;
-    text[0] = 0;
-    for (size_t i = 0; i < iso_renderer_count() && length < size; ++i) {
-        const iso_renderer_info *r = iso_renderer_at(i);
-        if (iso_renderer_has(r, ISO_HAS_LIMIT) && !(r->traits & (ISO_IS_RANDOM | ISO_IS_NAMED)))
-            length += (size_t)snprintf(text + length, size - length, "%s%s", length ? "," : "", r->name);
-    }
-    return text;
-}
+static const iso_option options[] = {
+    ISO_OPTIONS_OF(convergence_options, look, iso_look_rows),
+    {"with", 0, "%s", "LIST", ISO_IN(convergence_options, with), .flags = ISO_SHOWN,
+     ISO_NAMES_RENDERERS(ISO_HAS_LIMIT)},
+    ISO_CLI_RENDERERS_OPTION(convergence_options, renderers),
+    {"steps", 0, "render with N steps, each half of the previous one", "N", ISO_IN(convergence_options, steps),
+     .flags = ISO_SHOWN, .least = 2, .most = 6},
+    {"finest", 0, "set the last step, in voxels of the level", "VOXELS", ISO_IN(convergence_options, finest),
+     .flags = ISO_SHOWN, .least = 1e-3, .most = 10},
+    {"level", 0, "use this level of the pyramid, 0 is the finest", "K", ISO_IN(convergence_options, level),
+     .flags = ISO_SHOWN, .most = 63},
+    {"output", 'o', "write the chart and its data", "DIR", ISO_IN(convergence_options, output)},
+    {"format", 0, "write the chart as svg or pdf", "svg|pdf", ISO_IN(convergence_options, format),
+     .flags = ISO_SHOWN | ISO_ONE_OF},
+    ISO_OPTIONS_OF(convergence_options, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    char usual[256], with[256];
-    convergence_options o = {.with = default_renderers(usual, sizeof usual),
-                             .format = "svg",
-                             .steps = 4,
-                             .finest = 0.125};
-    iso_renderers_with(ISO_HAS_LIMIT, ", ", ", ", with, sizeof with);
-    iso_volume_input_defaults(&o.input);
-    struct poptOption options[] = {
-        ISO_CLI_LOOK_OPTIONS(&o.look),
-        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.with, 0, with, "LIST"},
-        ISO_CLI_RENDERERS_OPTION(&o.renderers),
-        {"steps", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.steps, 0,
-         "render with N steps, each half of the previous one", "N"},
-        {"finest", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &o.finest, 0,
-         "set the last step, in voxels of the level", "VOXELS"},
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.level, 0,
-         "use this level of the pyramid, 0 is the finest", "K"},
-        {"output", 'o', POPT_ARG_STRING, &o.output, 0, "write the chart and its data", "DIR"},
-        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "write the chart as svg or pdf",
-         "FORMAT"},
-        ISO_CLI_INPUT_OPTIONS(&o.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = bench(&cli, &o, err);
-    iso_cli_end(&cli);
-    return status;
+    return bench(cli, values, err);
 }
 
 const iso_command iso_lab_convergence = {
@@ -288,5 +254,7 @@ const iso_command iso_lab_convergence = {
     .examples =
         "  isoshade make marschner-lobb --size 40x56x33 -o ml.nrrd\n"
         "  isoshade-lab convergence ml.nrrd --scene refscenes/marschner-lobb.scene.json --size 48 -o convergence\n",
+    ISO_COMMAND_OPTIONS(convergence_options, options, .with = "gl,povray", .format = "svg", .steps = 4,
+                        .finest = 0.125),
     .run = run,
 };

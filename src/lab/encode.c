@@ -225,47 +225,42 @@ static iso_status bench(const iso_cli *cli, size_t count, const char *chart_dir,
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
-{
-    int count = 100000, levels = 3;
-    char *chart_dir = NULL;
-    iso_cli_look asked = {0};
-    iso_subject_look look;
+typedef struct encode_options {
+    int count, levels;
+    char *chart_dir;
+    iso_cli_look asked;
     iso_volume_input input;
-    iso_volume_input_defaults(&input);
-    struct poptOption options[] = {
-        {"count", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &count, 0, "average N random probes", "N"},
-        {"chart", 0, POPT_ARG_STRING, &chart_dir, 0, "draw Figure 10 into this existing folder", "DIR"},
-        ISO_CLI_LOOK_OPTIONS(&asked),
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &levels, 0,
-         "use N levels of the volumes, counting the finest", "N"},
-        ISO_CLI_INPUT_OPTIONS(&input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--count", count, 100, 1e8, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--levels", levels, 1, 8, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_cli_look_check(&asked, cli.threads, &look, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && chart_dir && !iso_path_exists(chart_dir)) /* fails before the work */
-        status = iso_fail(err, ISO_E_IO, "%s: folder does not exist; create it first", chart_dir);
-    if (status == ISO_OK && next == ISO_CLI_RUN) {
-        json_t *root = iso_cli_json(&cli);
-        json_object_set_new(json_object_get(root, "options"), "count", json_integer(count));
-        const iso_image_bench images = {&input, &look, (size_t)levels};
-        status = cli.argument_count > 0 ? iso_lab_encode_images(&cli, &images, root, err)
-                                        : bench(&cli, (size_t)count, chart_dir, root, err);
-        if (status == ISO_OK && cli.json)
-            iso_cli_print_json(root);
-        else
-            json_decref(root);
-    }
-    free(chart_dir);
-    iso_cli_end(&cli);
+} encode_options;
+
+static const iso_option options[] = {
+    {"count", 0, "average N random probes", "N", ISO_IN(encode_options, count), .flags = ISO_SHOWN, .least = 100,
+     .most = 1e8},
+    {"chart", 0, "draw Figure 10 into this existing folder", "DIR", ISO_IN(encode_options, chart_dir)},
+    ISO_OPTIONS_OF(encode_options, asked, iso_look_rows),
+    {"levels", 0, "use N levels of the volumes, counting the finest", "N", ISO_IN(encode_options, levels),
+     .flags = ISO_SHOWN, .least = 1, .most = 8},
+    ISO_OPTIONS_OF(encode_options, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
+{
+    const encode_options *o = values;
+    iso_subject_look look;
+    iso_status status = iso_cli_look_check(&o->asked, cli->threads, &look, err);
+    if (status == ISO_OK && o->chart_dir && !iso_path_exists(o->chart_dir)) /* fails before the work */
+        status = iso_fail(err, ISO_E_IO, "%s: folder does not exist; create it first", o->chart_dir);
+    if (status != ISO_OK)
+        return status;
+    json_t *root = iso_cli_json(cli);
+    json_object_set_new(json_object_get(root, "options"), "count", json_integer(o->count));
+    const iso_image_bench images = {&o->input, &look, (size_t)o->levels};
+    status = cli->argument_count > 0 ? iso_lab_encode_images(cli, &images, root, err)
+                                     : bench(cli, (size_t)o->count, o->chart_dir, root, err);
+    if (status == ISO_OK && cli->json)
+        iso_cli_print_json(root);
+    else
+        json_decref(root);
     return status;
 }
 
@@ -282,5 +277,6 @@ const iso_command iso_lab_encode = {
                 "  isoshade-lab encode --json\n"
                 "  isoshade make marschner-lobb --size 32 -o small.nrrd\n"
                 "  isoshade-lab encode small.nrrd --scene refscenes/marschner-lobb.scene.json --size 48\n",
+    ISO_COMMAND_OPTIONS(encode_options, options, .count = 100000, .levels = 3),
     .run = run,
 };

@@ -150,7 +150,6 @@ static iso_status run_all(scale_bench *b, iso_error *err)
 {
     iso_status status =
         iso_lab_check_pictures(&(iso_lab_pictures){.size = b->size, .levels = b->levels, .most_levels = 8}, err);
-    TRY(status, iso_words_check_range("--runs", b->runs, 1, 15, err));
     if (status != ISO_OK)
         return status;
     b->rows = json_array();
@@ -170,25 +169,20 @@ static iso_status run_all(scale_bench *b, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"levels", 0, "use N levels, counting level 0", "N", ISO_IN(scale_bench, levels), .flags = ISO_SHOWN},
+    {"size", 0, "render a frame of N x N pixels", "N", ISO_IN(scale_bench, size), .flags = ISO_SHOWN},
+    {"runs", 0, "run N times; the fastest counts", "N", ISO_IN(scale_bench, runs), .flags = ISO_SHOWN, .least = 1,
+     .most = 15},
+    ISO_OPTIONS_OF(scale_bench, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    scale_bench b = {.levels = 4, .size = 256, .runs = 3};
-    iso_volume_input_defaults(&b.input);
-    struct poptOption options[] = {
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "render a frame of N x N pixels", "N"},
-        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0, "run N times; the fastest counts", "N"},
-        ISO_CLI_INPUT_OPTIONS(&b.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    b.cli = &cli;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = run_all(&b, err);
-    iso_cli_end(&cli);
-    return status;
+    scale_bench *b = values;
+    b->cli = cli;
+    return run_all(b, err);
 }
 
 const iso_command iso_lab_extinction_scale = {
@@ -204,5 +198,6 @@ const iso_command iso_lab_extinction_scale = {
         "cores. \"opacity off by\": RMS over these voxels, without and with a scale.",
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
                 "  isoshade-lab extinction-scale shells.nrrd --levels 3 --size 64 --runs 1\n",
+    ISO_COMMAND_OPTIONS(scale_bench, options, .levels = 4, .size = 256, .runs = 3),
     .run = run,
 };

@@ -10,9 +10,9 @@
 #include "tf/presets.h"
 
 static const iso_figure_info *const kinds[] = {
-    &iso_figure_code_dots,       &iso_figure_code_points,    &iso_figure_code_regions, &iso_figure_code_spheres,
-    &iso_figure_code_table,      &iso_figure_joint_histogram, &iso_figure_joint_row,    &iso_figure_mixed_volume,
-    &iso_figure_mixed_surface,   &iso_figure_palette_views,  &iso_figure_seams,        &iso_figure_region,
+    &iso_figure_code_dots,     &iso_figure_code_points,     &iso_figure_code_regions, &iso_figure_code_spheres,
+    &iso_figure_code_table,    &iso_figure_joint_histogram, &iso_figure_joint_row,    &iso_figure_mixed_volume,
+    &iso_figure_mixed_surface, &iso_figure_palette_views,   &iso_figure_seams,        &iso_figure_region,
 };
 static const iso_names kind_names = ISO_NAMES_OF_POINTERS("figure", kinds);
 
@@ -76,51 +76,50 @@ static void print_result(const iso_figure_job *job)
     iso_cli_print_json(root);
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+typedef struct lab_figure {
+    iso_figure_job job;
+    iso_lab_figure_options more;
+    char *kind, *output;
+} lab_figure;
+
+static const iso_option options[] = {
+    {"output", 'o', "write the figure into this folder", "DIR", ISO_IN(lab_figure, output)},
+    {"kind", 0, "draw this figure, see below", "KIND", ISO_IN(lab_figure, kind)},
+    {"width", 0, "limit the figure's width", "MM", ISO_IN(lab_figure, job.width_mm), .flags = ISO_SHOWN},
+    {"height", 0, "limit the figure's height", "MM", ISO_IN(lab_figure, job.height_mm), .flags = ISO_SHOWN},
+    {"dpi", 0, "set the resolution of its pictures", "DPI", ISO_IN(lab_figure, job.dpi), .flags = ISO_SHOWN},
+    {"formats", 0, "write svg, png and latex next to the PDF (all)", "LIST", ISO_IN(lab_figure, job.formats)},
+    {"sources", 0, "keep the gnuplot script and its pixels", NULL, ISO_IN(lab_figure, job.with_sources)},
+    {"level", 0, "show this level", "K", ISO_IN(lab_figure, job.level), .flags = ISO_SHOWN, .most = 63},
+    {"levels", 0, "use N levels, counting level 0 (4)", "N", ISO_IN(lab_figure, job.levels), .flags = ISO_NOT_ZERO,
+     .least = 1, .most = ISO_FIGURE_MOST_LEVELS},
+    {"code", 0, "use this direction code (the kind's own)", "CODE", ISO_IN(lab_figure, more.code)},
+    {"bits", 0, "use N bits per direction component (5)", "N", ISO_IN(lab_figure, more.bits), .flags = ISO_NOT_ZERO},
+    {"bricks", 0, "mixed levels: use N voxels per brick side (16)", "N", ISO_IN(lab_figure, more.bricks),
+     .flags = ISO_NOT_ZERO},
+    {"entries", 0, "use a palette of N directions (254)", "N", ISO_IN(lab_figure, more.entries), .flags = ISO_NOT_ZERO},
+    {"surface", 0, "set the isosurface's value, a fraction of the range (0.5)", "PART",
+     ISO_IN(lab_figure, more.surface)},
+    {"roi", 0, "set the full-resolution box in level-0 voxels (middle half)", "X0,Y0,Z0,X1,Y1,Z1",
+     ISO_IN(lab_figure, more.region)},
+    ISO_OPTIONS_OF(lab_figure, job.look, iso_look_rows),
+    ISO_OPTIONS_OF(lab_figure, job.volume, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    iso_lab_figure_options more = {.surface = NAN};
-    iso_cli cli;
-    iso_cli_next next;
-    iso_figure_job job = {
-        .cli = &cli, .width_mm = 178, .height_mm = 230, .dpi = 300, .facts = json_object(), .more = &more};
-    char *kind = NULL, *output = NULL;
-    iso_volume_input_defaults(&job.volume);
-    iso_cli_adapted_defaults(&job.adapted);
-    struct poptOption options[] = {
-        {"output", 'o', POPT_ARG_STRING, &output, 0, "write the figure into this folder", "DIR"},
-        {"kind", 0, POPT_ARG_STRING, &kind, 0, "draw this figure, see below", "KIND"},
-        {"width", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.width_mm, 0, "limit the figure's width", "MM"},
-        {"height", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.height_mm, 0, "limit the figure's height",
-         "MM"},
-        {"dpi", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &job.dpi, 0, "set the resolution of its pictures",
-         "DPI"},
-        {"formats", 0, POPT_ARG_STRING, &job.formats, 0, "write svg, png and latex next to the PDF (all)", "LIST"},
-        {"sources", 0, POPT_ARG_NONE, &job.with_sources, 0, "keep the gnuplot script and its pixels", NULL},
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &job.level, 0, "show this level", "K"},
-        {"levels", 0, POPT_ARG_INT, &job.levels, ISO_CLI_NOT_ZERO, "use N levels, counting level 0 (4)", "N"},
-        {"code", 0, POPT_ARG_STRING, &more.code, 0, "use this direction code (the kind's own)", "CODE"},
-        {"bits", 0, POPT_ARG_INT, &more.bits, ISO_CLI_NOT_ZERO, "use N bits per direction component (5)", "N"},
-        {"bricks", 0, POPT_ARG_INT, &more.bricks, ISO_CLI_NOT_ZERO, "mixed levels: use N voxels per brick side (16)",
-         "N"},
-        {"entries", 0, POPT_ARG_INT, &more.entries, ISO_CLI_NOT_ZERO, "use a palette of N directions (254)", "N"},
-        {"surface", 0, POPT_ARG_DOUBLE, &more.surface, 0, "set the isosurface's value, a fraction of the range (0.5)",
-         "PART"},
-        {"roi", 0, POPT_ARG_STRING, &more.region, 0, "set the full-resolution box in level-0 voxels (middle half)",
-         "X0,Y0,Z0,X1,Y1,Z1"},
-        ISO_CLI_LOOK_OPTIONS(&job.look),
-        ISO_CLI_INPUT_OPTIONS(&job.volume),
-        POPT_TABLEEND,
-    };
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN) {
-        job.input = cli.argument_count ? cli.arguments[0] : NULL;
-        job.output = output;
-        status = make(&job, kind, err);
-        if (status == ISO_OK)
-            print_result(&job);
-    }
-    iso_cli_end(&cli);
-    json_decref(job.facts);
+    lab_figure *f = values;
+    iso_figure_job *job = &f->job;
+    job->cli = cli;
+    job->facts = json_object();
+    job->more = &f->more;
+    job->input = cli->argument_count ? cli->arguments[0] : NULL;
+    job->output = f->output;
+    const iso_status status = make(job, f->kind, err);
+    if (status == ISO_OK)
+        print_result(job);
+    json_decref(job->facts);
     return status;
 }
 
@@ -131,5 +130,8 @@ const iso_command iso_lab_figure = {
     .usage = "[VOLUME|PYRAMID.iso] --kind KIND -o DIR [options]",
     .lists = (const iso_names *const[]){&kind_names, &iso_tf_preset_names, &iso_viewpoint_names, NULL},
     .examples = "  isoshade-lab figure --kind code-points --bits 3 --width 85 -o figure-points\n",
+    ISO_COMMAND_OPTIONS(lab_figure, options,
+                        .job = {.width_mm = 178, .height_mm = 230, .dpi = 300, .adapted = ISO_CLI_ADAPTED_DEFAULTS},
+                        .more = {.surface = NAN}),
     .run = run,
 };

@@ -318,11 +318,8 @@ static iso_status run_holes(const filters_run *run, const char *dir, json_t *roo
 static iso_status run_all(filters_run *run, iso_error *err)
 {
     iso_output out = {0};
-    iso_status status = iso_words_check_range("--size", run->size, 16, 2048, err);
-    TRY(status, iso_words_check_range("--voxels", run->voxels, MIN_VOXELS, 512, err));
-    if (status == ISO_OK && strcmp(run->format, "svg") != 0 && strcmp(run->format, "pdf") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", must be svg or pdf", run->format);
-    if (status == ISO_OK && run->output)
+    iso_status status = ISO_OK;
+    if (run->output)
         status = iso_output_begin_dir(&out, run->output, "style.gp", err);
     TRY(status, iso_gl_create(&run->gl, NULL, err));
     json_t *root = iso_cli_json(run->cli);
@@ -342,7 +339,26 @@ static iso_status run_all(filters_run *run, iso_error *err)
     return status;
 }
 
-static const iso_command command = {
+static const iso_option options[] = {
+    {"filters", 0, "measure all filters on all scenes", NULL, ISO_IN(filters_run, filters)},
+    {"holes", 0, "measure and draw the artifact of holes", NULL, ISO_IN(filters_run, holes)},
+    {"output", 'o', "write the charts", "DIR", ISO_IN(filters_run, output)},
+    {"format", 0, "write the charts as svg or pdf (svg)", "svg|pdf", ISO_IN(filters_run, format), .flags = ISO_ONE_OF},
+    {"size", 0, "render N x N pixels; --holes renders 2N x 2N", "N", ISO_IN(filters_run, size), .flags = ISO_SHOWN,
+     .least = 16, .most = 2048},
+    {"voxels", 0, "use N voxels along an edge", "N", ISO_IN(filters_run, voxels), .flags = ISO_SHOWN,
+     .least = MIN_VOXELS, .most = 512},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
+{
+    filters_run *r = values;
+    r->cli = cli;
+    return run_all(r, err);
+}
+
+const iso_command iso_lab_filters = {
     .name = "consistency",
     .summary = "cases in which each direction filter holds or fails, and holes of undefined directions",
     .usage = "--filters and/or --holes [-o DIR] [options]",
@@ -351,31 +367,6 @@ static const iso_command command = {
         "two balls that nearly touch, vessels. Errors are against the field without noise. DIR gets a chart of each,\n"
         "with its data and script.",
     .examples = "  isoshade-lab consistency --holes --size 48 --voxels 32\n",
+    ISO_COMMAND_OPTIONS(filters_run, options, .size = 96, .voxels = 96, .format = "svg"),
+    .run = run,
 };
-
-iso_status iso_lab_filters(int argc, const char **argv, iso_error *err)
-{
-    filters_run run = {.size = 96, .voxels = 96};
-    struct poptOption options[] = {
-        {"filters", 0, POPT_ARG_NONE, &run.filters, 0, "measure all filters on all scenes", NULL},
-        {"holes", 0, POPT_ARG_NONE, &run.holes, 0, "measure and draw the artifact of holes", NULL},
-        {"output", 'o', POPT_ARG_STRING, &run.output, 0, "write the charts", "DIR"},
-        {"format", 0, POPT_ARG_STRING, &run.format, 0, "write the charts as svg or pdf (svg)", "FORMAT"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.size, 0,
-         "render N x N pixels; --holes renders 2N x 2N", "N"},
-        {"voxels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.voxels, 0, "use N voxels along an edge", "N"},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, &command, argc, argv, options, &next, err);
-    char *given = run.format, svg[] = "svg";
-    run.format = given ? given : svg;
-    run.cli = &cli;
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = run_all(&run, err);
-    iso_cli_end(&cli);
-    free(run.output);
-    free(given);
-    return status;
-}

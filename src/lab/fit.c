@@ -114,25 +114,18 @@ static iso_status run_all(fit_bench *b, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"levels", 0, "use N levels, counting level 0", "N", ISO_IN(fit_bench, levels), .flags = ISO_SHOWN, .least = 2,
+     .most = 8},
+    ISO_OPTIONS_OF(fit_bench, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    fit_bench b = {.levels = 4};
-    iso_volume_input_defaults(&b.input);
-    struct poptOption options[] = {
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
-        ISO_CLI_INPUT_OPTIONS(&b.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    b.cli = &cli;
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--levels", b.levels, 2, 8, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = run_all(&b, err);
-    iso_cli_end(&cli);
-    return status;
+    fit_bench *b = values;
+    b->cli = cli;
+    return run_all(b, err);
 }
 
 const iso_command iso_lab_fit = {
@@ -147,5 +140,6 @@ const iso_command iso_lab_fit = {
         "error that remains after the fit. Four transfer functions: surface, soft, two-material, shell.",
     .examples = "  isoshade make shells --size 40 --type uint8 -o shells.nrrd\n"
                 "  isoshade-lab fit shells.nrrd --levels 3\n",
+    ISO_COMMAND_OPTIONS(fit_bench, options, .levels = 4),
     .run = run,
 };

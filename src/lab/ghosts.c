@@ -155,7 +155,7 @@ static iso_status run_tf(void *user, const iso_lab_visited *v, iso_error *err)
 
 static iso_status run_all(ghost_bench *b, iso_error *err)
 {
-    iso_status status = iso_words_check_range("--levels", b->levels, 2, 8, err);
+    iso_status status = ISO_OK;
     if (status != ISO_OK)
         return status;
     b->rows = json_array();
@@ -176,24 +176,19 @@ static iso_status run_all(ghost_bench *b, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"levels", 0, "use N levels, counting level 0", "N", ISO_IN(ghost_bench, levels), .flags = ISO_SHOWN, .least = 2,
+     .most = 8},
+    {"tf", 0, "use this transfer function instead of the four", "FILE", ISO_IN(ghost_bench, tf_path)},
+    ISO_OPTIONS_OF(ghost_bench, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    ghost_bench b = {.levels = 4};
-    iso_volume_input_defaults(&b.input);
-    struct poptOption options[] = {
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
-        {"tf", 0, POPT_ARG_STRING, &b.tf_path, 0, "use this transfer function instead of the four", "FILE"},
-        ISO_CLI_INPUT_OPTIONS(&b.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    b.cli = &cli;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = run_all(&b, err);
-    iso_cli_end(&cli);
-    return status;
+    ghost_bench *b = values;
+    b->cli = cli;
+    return run_all(b, err);
 }
 
 const iso_command iso_lab_ghosts = {
@@ -209,5 +204,6 @@ const iso_command iso_lab_ghosts = {
         "nothing, in percent of level 0's. It is printed with 1 - SSIM against level 0.",
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
                 "  isoshade-lab ghosts shells.nrrd --levels 3\n",
+    ISO_COMMAND_OPTIONS(ghost_bench, options, .levels = 4),
     .run = run,
 };

@@ -160,27 +160,28 @@ static void report(const iso_cli *cli, size_t n, double noise, const gradient_re
         json_decref(root);
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+typedef struct gradient_options {
+    int size;
+    double noise;
+} gradient_options;
+
+static const iso_option options[] = {
+    {"size", 0, "use N voxels along each axis", "N", ISO_IN(gradient_options, size), .flags = ISO_SHOWN, .least = 32,
+     .most = 512},
+    {"noise", 0, "set the noise's standard deviation (range 1 from center to face)", "S",
+     ISO_IN(gradient_options, noise), .flags = ISO_SHOWN, .most = 1},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    int size = 40;
-    double noise = 0.01;
-    struct poptOption options[] = {
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &size, 0, "use N voxels along each axis", "N"},
-        {"noise", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &noise, 0,
-         "set the noise's standard deviation (range 1 from center to face)", "S"},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
+    const gradient_options *o = values;
     gradient_result results[ISO_GRADIENT_COUNT];
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    TRY(status, iso_words_check_range("--size", size, 32, 512, err));
-    TRY(status, iso_words_check_range("--noise", noise, 0, 1, err));
-    for (int i = 0; i < ISO_GRADIENT_COUNT && status == ISO_OK && next == ISO_CLI_RUN; ++i)
-        status = measure_method((iso_gradient_method)i, (size_t)size, noise, cli.threads, &results[i], err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        report(&cli, (size_t)size, noise, results);
-    iso_cli_end(&cli);
+    iso_status status = ISO_OK;
+    for (int i = 0; i < ISO_GRADIENT_COUNT && status == ISO_OK; ++i)
+        status = measure_method((iso_gradient_method)i, (size_t)o->size, o->noise, cli->threads, &results[i], err);
+    if (status == ISO_OK)
+        report(cli, (size_t)o->size, o->noise, results);
     return status;
 }
 
@@ -190,5 +191,6 @@ const iso_command iso_lab_gradient = {
     .usage = "[options]",
     .details = "The order is that of the error on smooth noise, from a grid of --size to one twice as fine.",
     .examples = "  isoshade-lab gradient --size 32\n",
+    ISO_COMMAND_OPTIONS(gradient_options, options, .size = 40, .noise = 0.01),
     .run = run,
 };

@@ -11,6 +11,7 @@
 #include "lab/lab.h"
 #include "lab/levels_run.h"
 #include "lab/volumes.h"
+#include "cli/renderer_help.h"
 
 static const iso_names tf_table = ISO_NAMES_OF_STRINGS("transfer function", iso_levels_tf_names);
 
@@ -93,11 +94,9 @@ static iso_status keep_methods_of_all(iso_levels_run *run, iso_error *err)
 static iso_status check_options(iso_levels_run *run, iso_error *err)
 {
     iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){run->views, ISO_LEVELS_MAX_VIEWS, run->size,
-                                                                       run->levels, ISO_LEVELS_MAX_LEVELS},
-                                                 err);
+                                                                   run->levels, ISO_LEVELS_MAX_LEVELS},
+                                               err);
     TRY(status, iso_words_check_range("--level", run->level, 0, run->levels - 1, err));
-    TRY(status, iso_words_check_range("--step", run->step_voxels, 0.01, 4, err));
-    TRY(status, iso_words_check_range("--budget", run->budget_seconds, 0, 1e6, err));
     TRY(status, choose(run, err));
     if (status == ISO_OK && run->crop)
         status = iso_words_check_range("--crop", run->crop, 16, 4096, err);
@@ -155,56 +154,36 @@ static iso_status run_all(iso_levels_run *run, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"held", 0, "report these volumes in a separate block", "FILE,FILE", ISO_IN(iso_levels_run, held)},
+    {"methods", 0, "compare these methods, or all", "NAMES", ISO_IN(iso_levels_run, methods), .flags = ISO_SHOWN},
+    {"against", 0, "divide all errors by this method's", "NAME", ISO_IN(iso_levels_run, against), .flags = ISO_SHOWN},
+    {"tfs", 0, "use only these transfer functions", "NAMES", ISO_IN(iso_levels_run, tfs), .flags = ISO_SHOWN},
+    {"views", 0, "use N views from an icosahedron's faces, at most 20", "N", ISO_IN(iso_levels_run, views),
+     .flags = ISO_SHOWN},
+    {"size", 0, "render N x N pixels", "N", ISO_IN(iso_levels_run, size), .flags = ISO_SHOWN},
+    {"levels", 0, "use N levels, counting level 0", "N", ISO_IN(iso_levels_run, levels), .flags = ISO_SHOWN},
+    {"level", 0, "measure only this level", "K", ISO_IN(iso_levels_run, level)},
+    {"step", 0, "set the ray step in voxels of the level", "VOXELS", ISO_IN(iso_levels_run, step_voxels),
+     .flags = ISO_SHOWN, .least = 0.01, .most = 4},
+    {"unshaded", 0, "show only emission, without a light", NULL, ISO_IN(iso_levels_run, unshaded)},
+    {"with", 0, "%s", "RENDERER", ISO_IN(iso_levels_run, with), .flags = ISO_SHOWN,
+     ISO_NAMES_CHOICE(ISO_READS_SOURCE | ISO_HAS_2D_TFS)},
+    {"quick", 0, "use two views of 96 pixels", NULL, ISO_IN(iso_levels_run, quick)},
+    {"budget", 0, "start no new transfer function after this time", "SECONDS", ISO_IN(iso_levels_run, budget_seconds),
+     .most = 1e6},
+    {"crop", 0, "crop larger volumes to the middle N voxels along each axis", "N", ISO_IN(iso_levels_run, crop)},
+    {"csv", 0, "write all cases, updated after each transfer function", "FILE", ISO_IN(iso_levels_run, csv)},
+    {"have", 0, "skip cases that are in these tables", "FILE,FILE", ISO_IN(iso_levels_run, have)},
+    ISO_OPTIONS_OF(iso_levels_run, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    iso_levels_run r = {.views = ISO_LEVELS_MAX_VIEWS,
-                        .size = 192,
-                        .levels = 4,
-                        .step_voxels = 0.5,
-                        .with = iso_renderers_usual()->name,
-                        .tfs = "opaque,shell,soft,two-material,colored",
-                        .methods = "own",
-                        .against = "default"};
-    char renderers[256];
-    iso_renderers_with(ISO_READS_SOURCE | ISO_HAS_2D_TFS, ", ", " or ", renderers, sizeof renderers);
-    iso_volume_input_defaults(&r.input);
-    struct poptOption options[] = {
-        {"held", 0, POPT_ARG_STRING, &r.held, 0, "report these volumes in a separate block", "FILE,FILE"},
-        {"methods", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.methods, 0, "compare these methods, or all",
-         "NAMES"},
-        {"against", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.against, 0, "divide all errors by this method's",
-         "NAME"},
-        {"tfs", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.tfs, 0, "use only these transfer functions",
-         "NAMES"},
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.views, 0,
-         "use N views from an icosahedron's faces, at most 20", "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.size, 0, "render N x N pixels", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.levels, 0, "use N levels, counting level 0", "N"},
-        {"level", 0, POPT_ARG_INT, &r.level, 0, "measure only this level", "K"},
-        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &r.step_voxels, 0,
-         "set the ray step in voxels of the level", "VOXELS"},
-        {"unshaded", 0, POPT_ARG_NONE, &r.unshaded, 0, "show only emission, without a light", NULL},
-        {"with", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.with, 0, renderers, "RENDERER"},
-        {"quick", 0, POPT_ARG_NONE, &r.quick, 0, "use two views of 96 pixels", NULL},
-        {"budget", 0, POPT_ARG_DOUBLE, &r.budget_seconds, 0, "start no new transfer function after this time",
-         "SECONDS"},
-        {"crop", 0, POPT_ARG_INT, &r.crop, 0, "crop larger volumes to the middle N voxels along each axis", "N"},
-        {"csv", 0, POPT_ARG_STRING, &r.csv, 0, "write all cases, updated after each transfer function", "FILE"},
-        {"have", 0, POPT_ARG_STRING, &r.have, 0, "skip cases that are in these tables", "FILE,FILE"},
-        ISO_CLI_INPUT_OPTIONS(&r.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    r.cli = &cli;
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = run_all(&r, err);
-    iso_cli_end(&cli);
-    free(r.held);
-    free(r.csv);
-    free(r.have);
-    return status;
+    iso_levels_run *r = values;
+    r->cli = cli;
+    return run_all(r, err);
 }
 
 static const iso_names *const lists[] = {&iso_level_method_names, NULL};
@@ -226,8 +205,12 @@ const iso_command iso_lab_levels = {
         "Continue an interrupted run with --have TABLE --csv TABLE; without a volume --have prints the tables'\n"
         "summary.",
     .lists = lists,
-    .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
-                "  isoshade-lab levels shells.nrrd --quick --levels 3 --methods default,original,on-the-fly --csv shells.csv\n"
-                "  isoshade-lab levels --have shells.csv --methods default,original\n",
+    .examples =
+        "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
+        "  isoshade-lab levels shells.nrrd --quick --levels 3 --methods default,original,on-the-fly --csv shells.csv\n"
+        "  isoshade-lab levels --have shells.csv --methods default,original\n",
+    ISO_COMMAND_OPTIONS(iso_levels_run, options, .views = ISO_LEVELS_MAX_VIEWS, .size = 192, .levels = 4,
+                        .step_voxels = 0.5, .with = "gl", .tfs = "opaque,shell,soft,two-material,colored",
+                        .methods = "own", .against = "default"),
     .run = run,
 };

@@ -319,63 +319,48 @@ static iso_status run_all(noise_run *run, iso_error *err)
 
 static iso_status check_options(noise_run *run, iso_error *err)
 {
-    iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){run->views, ISO_FACE_VIEWS, run->size,
-                                                                       run->levels, MAX_LEVELS},
-                                                 err);
+    iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){run->views, ISO_FACE_VIEWS, run->size, run->levels,
+                                                                   MAX_LEVELS},
+                                               err);
     if (status == ISO_OK && run->analytic_size != 0)
         status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
-    TRY(status, iso_words_check_range("--noise", run->noise, 0, 1, err));
-    if (status == ISO_OK && run->deviation != -1)
-        status = iso_words_check_range("--deviation", run->deviation, 0, 1, err);
     if (status == ISO_OK && iso_scalar_filter_from_name(run->scalar_filter, &run->filter, err) != ISO_OK)
         status = iso_fail_in(err, ISO_E_USAGE, "--scalar-filter");
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"noise", 0, "set the noise's standard deviation (range of values is 1)", "PART", ISO_IN(noise_run, noise),
+     .flags = ISO_SHOWN, .most = 1},
+    {"analytic", 0, "use analytic volumes of N^3 voxels; 0: none", "N", ISO_IN(noise_run, analytic_size),
+     .flags = ISO_SHOWN},
+    {"deviation", 0, "set the noise of given volumes, a fraction of their range (estimated)", "PART",
+     ISO_IN(noise_run, deviation), .most = 1},
+    {"scalar-filter", 0, "set the scalar filter of all levels", "NAME", ISO_IN(noise_run, scalar_filter),
+     .flags = ISO_SHOWN},
+    {"views", 0, "use N views from an icosahedron's faces, at most 20", "N", ISO_IN(noise_run, views),
+     .flags = ISO_SHOWN},
+    {"size", 0, "render N x N pixels", "N", ISO_IN(noise_run, size), .flags = ISO_SHOWN},
+    {"levels", 0, "use N levels, counting level 0", "N", ISO_IN(noise_run, levels), .flags = ISO_SHOWN},
+    {"quick", 0, "use one view of 64 pixels, analytic volumes of 32^3", NULL, ISO_IN(noise_run, quick)},
+    ISO_OPTIONS_OF(noise_run, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    noise_run r = {.views = 6,
-                   .size = 160,
-                   .levels = 4,
-                   .analytic_size = 96,
-                   .noise = 0.05,
-                   .deviation = -1,
-                   .scalar_filter = "least-squares"};
-    iso_volume_input_defaults(&r.input);
-    struct poptOption options[] = {
-        {"noise", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &r.noise, 0,
-         "set the noise's standard deviation (range of values is 1)", "PART"},
-        {"analytic", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.analytic_size, 0,
-         "use analytic volumes of N^3 voxels; 0: none", "N"},
-        {"deviation", 0, POPT_ARG_DOUBLE, &r.deviation, 0,
-         "set the noise of given volumes, a fraction of their range (estimated)", "PART"},
-        {"scalar-filter", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &r.scalar_filter, 0,
-         "set the scalar filter of all levels", "NAME"},
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.views, 0,
-         "use N views from an icosahedron's faces, at most 20", "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.size, 0, "render N x N pixels", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &r.levels, 0, "use N levels, counting level 0", "N"},
-        {"quick", 0, POPT_ARG_NONE, &r.quick, 0, "use one view of 64 pixels, analytic volumes of 32^3", NULL},
-        ISO_CLI_INPUT_OPTIONS(&r.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    r.cli = &cli;
-    r.cases = json_array();
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = check_options(&r, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = run_all(&r, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && cli.json) {
-        json_t *root = iso_cli_json(&cli);
-        json_object_set(root, "cases", r.cases);
+    noise_run *r = values;
+    r->cli = cli;
+    r->cases = json_array();
+    iso_status status = check_options(r, err);
+    TRY(status, run_all(r, err));
+    if (status == ISO_OK && cli->json) {
+        json_t *root = iso_cli_json(cli);
+        json_object_set(root, "cases", r->cases);
         iso_cli_print_json(root);
     }
-    json_decref(r.cases);
-    iso_renderers_end(&r.renderers);
-    iso_cli_end(&cli);
+    json_decref(r->cases);
+    iso_renderers_end(&r->renderers);
     return status;
 }
 
@@ -390,5 +375,7 @@ const iso_command iso_lab_noise = {
         "function is an opaque ramp at the true surface. Rows are estimators of level 0's gradients, and the true\n"
         "directions at all levels; angles are of level 0 at the surface.",
     .examples = "  isoshade-lab noise --quick --levels 2\n",
+    ISO_COMMAND_OPTIONS(noise_run, options, .views = 6, .size = 160, .levels = 4, .analytic_size = 96, .noise = 0.05,
+                        .deviation = -1, .scalar_filter = "least-squares"),
     .run = run,
 };

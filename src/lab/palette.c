@@ -33,8 +33,8 @@ static double processor_seconds(void)
 
 /* Fits to `fitted_to` and measures on `set`, which may be the same. */
 static iso_status fit_and_measure(const iso_direction_set *fitted_to, const iso_direction_set *set,
-                                  const iso_rival_options *opt, size_t *entries, iso_palette_error *e,
-                                  double *seconds, iso_error *err)
+                                  const iso_rival_options *opt, size_t *entries, iso_palette_error *e, double *seconds,
+                                  iso_error *err)
 {
     iso_palette p;
     double start = processor_seconds();
@@ -284,8 +284,8 @@ iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, is
 
 iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, json_t *rows, iso_error *err)
 {
-    static const iso_palette_rival methods[] = {ISO_RIVAL_KMEANS, ISO_RIVAL_KMEANSPP, ISO_RIVAL_ANNEAL,
-                                                 ISO_RIVAL_FACES, ISO_RIVAL_FIBONACCI};
+    static const iso_palette_rival methods[] = {ISO_RIVAL_KMEANS, ISO_RIVAL_KMEANSPP, ISO_RIVAL_ANNEAL, ISO_RIVAL_FACES,
+                                                ISO_RIVAL_FIBONACCI};
     const char *name = iso_path_base(path);
     iso_direction_set set, coarse = {0};
     double seconds;
@@ -418,46 +418,35 @@ static iso_status run_parts(const palette_bench *b, json_t *root, iso_error *err
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"seeds", 0, "use N samples of the ellipsoid; with --sensitivity: N runs per setting", "N",
+     ISO_IN(palette_bench, seeds), .flags = ISO_SHOWN, .least = 1, .most = 1000},
+    {"cycles", 0, "set CYCLE_NR of annealing", "N", ISO_IN(palette_bench, cycles), .flags = ISO_SHOWN, .most = 1e6},
+    {"steps", 0, "set STEP_NR of annealing", "N", ISO_IN(palette_bench, steps), .flags = ISO_SHOWN, .most = 1e8},
+    {"sensitivity", 0, "vary the annealing's parameters instead", NULL, ISO_IN(palette_bench, sensitivity)},
+    {"tessellation", 0, "draw only the ellipsoid's tessellation (Figure 9)", "FILE.svg",
+     ISO_IN(palette_bench, tessellation)},
+    {"entries", 0, "triangles of --tessellation", "N", ISO_IN(palette_bench, entries), .flags = ISO_SHOWN, .least = 1,
+     .most = ISO_PALETTE_MAX},
+    ISO_OPTIONS_OF(palette_bench, look, iso_look_rows),
+    {"no-images", 0, "volumes: print only the table", NULL, ISO_IN(palette_bench, no_images)},
+    ISO_OPTIONS_OF(palette_bench, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    iso_cli cli;
-    const iso_anneal_options anneal = iso_rival_defaults().anneal;
-    palette_bench b = {.cli = &cli, .cycles = (int)anneal.cycles, .steps = (int)anneal.steps, .seeds = 3, .entries = 510};
-    iso_volume_input_defaults(&b.input);
-    const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
-    struct poptOption options[] = {
-        {"seeds", 0, POPT_ARG_INT | shown, &b.seeds, 0,
-         "use N samples of the ellipsoid; with --sensitivity: N runs per setting", "N"},
-        {"cycles", 0, POPT_ARG_INT | shown, &b.cycles, 0, "set CYCLE_NR of annealing", "N"},
-        {"steps", 0, POPT_ARG_INT | shown, &b.steps, 0, "set STEP_NR of annealing", "N"},
-        {"sensitivity", 0, POPT_ARG_NONE, &b.sensitivity, 0, "vary the annealing's parameters instead", NULL},
-        {"tessellation", 0, POPT_ARG_STRING, &b.tessellation, 0, "draw only the ellipsoid's tessellation (Figure 9)",
-         "FILE.svg"},
-        {"entries", 0, POPT_ARG_INT | shown, &b.entries, 0, "triangles of --tessellation", "N"},
-        ISO_CLI_LOOK_OPTIONS(&b.look),
-        {"no-images", 0, POPT_ARG_NONE, &b.no_images, 0, "volumes: print only the table", NULL},
-        ISO_CLI_INPUT_OPTIONS(&b.input),
-        POPT_TABLEEND,
-    };
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN) {
-        status = iso_words_check_range("--seeds", b.seeds, 1, 1000, err);
-        TRY(status, iso_words_check_range("--cycles", b.cycles, 0, 1e6, err));
-        TRY(status, iso_words_check_range("--steps", b.steps, 0, 1e8, err));
-        TRY(status, iso_words_check_range("--entries", b.entries, 1, ISO_PALETTE_MAX, err));
-        TRY(status, iso_cli_look_check(&b.look, cli.threads, &b.shown, err));
-        json_t *root = iso_cli_json(&cli);
-        json_object_update_new(json_object_get(root, "options"),
-                               json_pack("{s:i, s:i, s:i}", "seeds", b.seeds, "cycles", b.cycles, "steps", b.steps));
-        TRY(status, run_parts(&b, root, err));
-        if (status == ISO_OK && cli.json)
-            iso_cli_print_json(root);
-        else
-            json_decref(root);
-    }
-    iso_cli_end(&cli);
-    free(b.tessellation);
+    palette_bench *b = values;
+    b->cli = cli;
+    iso_status status = iso_cli_look_check(&b->look, cli->threads, &b->shown, err);
+    json_t *root = iso_cli_json(cli);
+    json_object_update_new(json_object_get(root, "options"),
+                           json_pack("{s:i, s:i, s:i}", "seeds", b->seeds, "cycles", b->cycles, "steps", b->steps));
+    TRY(status, run_parts(b, root, err));
+    if (status == ISO_OK && cli->json)
+        iso_cli_print_json(root);
+    else
+        json_decref(root);
     return status;
 }
 
@@ -475,5 +464,6 @@ const iso_command iso_lab_palette = {
                 "  isoshade-lab palette --tessellation figure9.svg --entries 120 --cycles 20 --steps 100\n"
                 "  isoshade make marschner-lobb --size 40x56x33 -o v.nrrd\n"
                 "  isoshade-lab palette v.nrrd --steps 200 --size 64\n",
+    ISO_COMMAND_OPTIONS(palette_bench, options, .cycles = 100, .steps = 10000, .seeds = 3, .entries = 510),
     .run = run,
 };

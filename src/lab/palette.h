@@ -15,7 +15,7 @@ typedef struct palette_bench {
     iso_subject_look shown; /* the request in `look` */
     int cycles, steps, seeds, entries;
     int sensitivity, no_images;
-    char *tessellation; /* set by popt */
+    char *tessellation;
 } palette_bench;
 
 /* Measures Table 1, and rival methods, on the ellipsoid. */

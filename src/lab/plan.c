@@ -280,8 +280,6 @@ static iso_status bench(const plan_bench *b, iso_error *err)
     build.level_count = 1;
     build.threads = b->cli->threads;
     iso_status status = iso_words_check_range("--error", b->error, 1e-6, 1, err);
-    TRY(status, iso_words_check_range("--levels", b->levels, 1, ISO_BRICK_MAX_LEVELS, err));
-    TRY(status, iso_words_check_range("--step", b->step, 1e-3, 16, err));
     TRY(status, iso_cli_look_check(&b->look, b->cli->threads, &look, err));
     TRY(status, iso_subject_load_pyramid(b->cli->arguments[0], &b->input, &build, &progress, &pyramid, err));
     TRY(status, iso_planner_load_views(&look, 1, &pyramid, &s.views, &view_count, err));
@@ -299,31 +297,25 @@ static iso_status bench(const plan_bench *b, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    ISO_OPTIONS_OF(plan_bench, look, iso_look_rows),
+    {"error", 0, "limit the image's RMSE (1/255)", "1/255", ISO_IN(plan_bench, error_text)},
+    {"brick", 0, "use bricks of N voxels per side", "N", ISO_IN(plan_bench, brick), .flags = ISO_SHOWN},
+    {"levels", 0, "use N levels, counting level 0", "N", ISO_IN(plan_bench, levels), .flags = ISO_SHOWN, .least = 1,
+     .most = ISO_BRICK_MAX_LEVELS},
+    {"cycles", 0, "also render both with Cycles, at this size", "WxH", ISO_IN(plan_bench, cycles)},
+    {"step", 0, "set the step of Cycles, in voxels of level 0", "STEP", ISO_IN(plan_bench, step), .flags = ISO_SHOWN,
+     .least = 1e-3, .most = 16},
+    ISO_OPTIONS_OF(plan_bench, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    plan_bench b = {.error = 1.0 / 255, .brick = 8, .levels = 4, .step = 0.25};
-    iso_volume_input_defaults(&b.input);
-    struct poptOption options[] = {
-        ISO_CLI_LOOK_OPTIONS(&b.look),
-        {"error", 0, POPT_ARG_STRING, &b.error_text, 0, "limit the image's RMSE (1/255)", "1/255"},
-        {"brick", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.brick, 0, "use bricks of N voxels per side", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
-        {"cycles", 0, POPT_ARG_STRING, &b.cycles, 0, "also render both with Cycles, at this size", "WxH"},
-        {"step", 0, POPT_ARG_DOUBLE | POPT_ARGFLAG_SHOW_DEFAULT, &b.step, 0,
-         "set the step of Cycles, in voxels of level 0", "STEP"},
-        ISO_CLI_INPUT_OPTIONS(&b.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    b.cli = &cli;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && b.error_text)
-        status = iso_words_parse_error("--error", b.error_text, &b.error, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = bench(&b, err);
-    iso_cli_end(&cli);
-    return status;
+    plan_bench *b = values;
+    b->cli = cli;
+    iso_status status = b->error_text ? iso_words_parse_error("--error", b->error_text, &b->error, err) : ISO_OK;
+    return status == ISO_OK ? bench(b, err) : status;
 }
 
 const iso_command iso_lab_plan = {
@@ -337,5 +329,6 @@ const iso_command iso_lab_plan = {
         "files. With --cycles also Blender's memory and the RMSE between its two pictures.",
     .examples = "  isoshade make shells --size 48 -o shells.nrrd\n"
                 "  isoshade-lab plan shells.nrrd --scene refscenes/shells.scene.json --size 96 --levels 3\n",
+    ISO_COMMAND_OPTIONS(plan_bench, options, .error = 1.0 / 255, .brick = 8, .levels = 4, .step = 0.25),
     .run = run,
 };

@@ -13,6 +13,7 @@
 #include "validate/calibrate.h"
 #include "lab/power.h"
 #include "renderers/external.h"
+#include "cli/renderer_help.h"
 
 enum { most_noise_pixels = 32 }; /* per side; more are too many together for a single test's chance of 1e-3 */
 
@@ -344,7 +345,8 @@ static iso_status verdict(const power_result *r, iso_error *err)
 {
     for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT; ++f)
         if (!is_caught(r, f))
-            return iso_fail(err, ISO_E_DIFFERS, "isoshade-lab power: \"%s\" is not caught", iso_fault_name((iso_fault)f));
+            return iso_fail(err, ISO_E_DIFFERS, "isoshade-lab power: \"%s\" is not caught",
+                            iso_fault_name((iso_fault)f));
     if (json_array_size(r->wrong) == 0)
         return ISO_OK;
     const json_t *first = json_array_get(r->wrong, 0);
@@ -378,8 +380,6 @@ static iso_status check(power_options *o, iso_error *err)
     TRY(status, iso_words_check_range("--seed", o->seed, 0, 1e6, err));
     if (status == ISO_OK && o->output && !o->sensitivity)
         status = iso_fail(err, ISO_E_USAGE, "-o needs --sensitivity: it writes its chart");
-    if (status == ISO_OK && strcmp(o->format, "svg") != 0 && strcmp(o->format, "pdf") != 0)
-        status = iso_fail(err, ISO_E_USAGE, "--format is \"%s\", must be svg or pdf", o->format);
     TRY(status, iso_renderers_load(o->renderers, err));
     return status == ISO_OK ? iso_renderers_from_list(o->with, o->wanted, err) : status;
 }
@@ -405,54 +405,53 @@ static iso_status bench(const iso_cli *cli, const power_options *o, iso_renderer
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"repetitions", 0, "run N random scenes (20; 4 with --quick, 3 with --sensitivity)", "N",
+     ISO_IN(power_options, repetitions)},
+    {"planted", 0, "plant faults for other programs' limits in N scenes (4; 1)", "N", ISO_IN(power_options, planted)},
+    {"with", 0, "test these renderers against the reference (%s)", "LIST", ISO_IN(power_options, with),
+     ISO_NAMES_USUAL(ISO_HAS_LIMIT)},
+    ISO_CLI_RENDERERS_OPTION(power_options, renderers),
+    {"size", 0, "render scenes of N x N pixels (16; 12 with --quick)", "N", ISO_IN(power_options, size)},
+    {"limit-size", 0, "with --sensitivity: also measure limits with N x N pixels", "N",
+     ISO_IN(power_options, limit_size)},
+    {"seed", 0, "set the seed of the scenes", "N", ISO_IN(power_options, seed), .flags = ISO_SHOWN},
+    {"quick", 0, "use fewer and smaller scenes and three seeds", NULL, ISO_IN(power_options, quick)},
+    {"random", 0, "run N random scenes and volumes through validate instead, count false alarms", "N",
+     ISO_IN(power_options, random), .flags = ISO_NOT_ZERO},
+    {"sensitivity", 0, "find the smallest amount of each deviation that each gate rejects", NULL,
+     ISO_IN(power_options, sensitivity)},
+    {"output", 'o', "with --sensitivity: write the chart and its data", "DIR", ISO_IN(power_options, output)},
+    {"format", 0, "write the chart as svg or pdf", "svg|pdf", ISO_IN(power_options, format),
+     .flags = ISO_SHOWN | ISO_ONE_OF},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    power_options o = {.repetitions = -1, .planted = -1, .size = -1, .seed = 1001, .format = "svg"};
-    char names[256], with[300];
-    snprintf(with, sizeof with, "test these renderers against the reference (%s)",
-             iso_renderers_by_default(ISO_HAS_LIMIT, names, sizeof names));
-    struct poptOption options[] = {
-        {"repetitions", 0, POPT_ARG_INT, &o.repetitions, 0,
-         "run N random scenes (20; 4 with --quick, 3 with --sensitivity)", "N"},
-        {"planted", 0, POPT_ARG_INT, &o.planted, 0, "plant faults for other programs' limits in N scenes (4; 1)", "N"},
-        {"with", 0, POPT_ARG_STRING, &o.with, 0, with, "LIST"},
-        ISO_CLI_RENDERERS_OPTION(&o.renderers),
-        {"size", 0, POPT_ARG_INT, &o.size, 0, "render scenes of N x N pixels (16; 12 with --quick)", "N"},
-        {"limit-size", 0, POPT_ARG_INT, &o.limit_size, 0, "with --sensitivity: also measure limits with N x N pixels",
-         "N"},
-        {"seed", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &o.seed, 0, "set the seed of the scenes", "N"},
-        {"quick", 0, POPT_ARG_NONE, &o.quick, 0, "use fewer and smaller scenes and three seeds", NULL},
-        {"random", 0, POPT_ARG_INT, &o.random, ISO_CLI_NOT_ZERO,
-         "run N random scenes and volumes through validate instead, count false alarms", "N"},
-        {"sensitivity", 0, POPT_ARG_NONE, &o.sensitivity, 0,
-         "find the smallest amount of each deviation that each gate rejects", NULL},
-        {"output", 'o', POPT_ARG_STRING, &o.output, 0, "with --sensitivity: write the chart and its data", "DIR"},
-        {"format", 0, POPT_ARG_STRING | POPT_ARGFLAG_SHOW_DEFAULT, &o.format, 0, "write the chart as svg or pdf",
-         "FORMAT"},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
+    power_options *o = values;
     iso_renderers renderers = {0};
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN && (status = check(&o, err)) == ISO_OK) {
-        o.threads = cli.threads;
-        iso_sensitivity_options s = {.scenes = o.repetitions,
-                                     .pixels = o.size,
-                                     .limit_pixels = o.limit_size,
-                                     .halvings = o.limit_size ? 3 : 1,
-                                     .seed = o.seed,
-                                     .threads = o.threads,
-                                     .output = o.output,
-                                     .format = o.format};
-        memcpy(s.wanted, o.wanted, sizeof s.wanted);
-        const iso_power_random_options random = {
-            .with = o.with ? o.with : "gl,cpu", .scenes = o.random, .seed = o.seed, .threads = o.threads};
-        status = o.random        ? iso_power_random(&random, &cli, err)
-                 : o.sensitivity ? iso_power_sensitivity(&renderers, &s, &cli, err) : bench(&cli, &o, &renderers, err);
-    }
+    iso_status status = check(o, err);
+    if (status != ISO_OK)
+        return status;
+    o->threads = cli->threads;
+    iso_sensitivity_options s = {.scenes = o->repetitions,
+                                 .pixels = o->size,
+                                 .limit_pixels = o->limit_size,
+                                 .halvings = o->limit_size ? 3 : 1,
+                                 .seed = o->seed,
+                                 .threads = o->threads,
+                                 .output = o->output,
+                                 .format = o->format};
+    memcpy(s.wanted, o->wanted, sizeof s.wanted);
+    const iso_power_random_options random = {.with = o->with ? o->with : "gl,cpu",
+                                             .scenes = o->random,
+                                             .seed = o->seed,
+                                             .threads = o->threads};
+    status = o->random        ? iso_power_random(&random, cli, err)
+             : o->sensitivity ? iso_power_sensitivity(&renderers, &s, cli, err)
+                              : bench(cli, o, &renderers, err);
     iso_renderers_end(&renderers);
-    iso_cli_end(&cli);
     return status;
 }
 
@@ -473,5 +472,7 @@ const iso_command iso_lab_power = {
     .examples = "  isoshade-lab power --with gl --repetitions 2 --size 16\n"
                 "  isoshade-lab power --random 2\n"
                 "  isoshade-lab power --with gl --sensitivity --repetitions 1 --size 12 -o sensitivity\n",
+    ISO_COMMAND_OPTIONS(power_options, options, .repetitions = -1, .planted = -1, .size = -1, .seed = 1001,
+                        .format = "svg"),
     .run = run,
 };

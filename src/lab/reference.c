@@ -99,8 +99,7 @@ static iso_status visit(void *user, const iso_lab_visited *at, iso_error *err)
 
 static iso_status bench(reference_bench *b, iso_error *err)
 {
-    iso_status status = iso_words_check_range("--size", b->size, 4, 1024, err);
-    TRY(status, iso_words_check_range("--runs", b->runs, 1, 100, err));
+    iso_status status = ISO_OK;
     if (status != ISO_OK)
         return status;
     json_t *root = iso_cli_json(b->cli);
@@ -126,25 +125,19 @@ static iso_status bench(reference_bench *b, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"size", 0, "pixels per side", "N", ISO_IN(reference_bench, size), .flags = ISO_SHOWN, .least = 4, .most = 1024},
+    {"runs", 0, "render each picture N times; the least time counts", "N", ISO_IN(reference_bench, runs),
+     .flags = ISO_SHOWN, .least = 1, .most = 100},
+    ISO_OPTIONS_OF(reference_bench, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    reference_bench b = {.size = 24, .runs = 1};
-    iso_volume_input_defaults(&b.input);
-    struct poptOption options[] = {
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0, "pixels per side", "N"},
-        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0,
-         "render each picture N times; the least time counts", "N"},
-        ISO_CLI_INPUT_OPTIONS(&b.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    b.cli = &cli;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = bench(&b, err);
-    iso_cli_end(&cli);
-    return status;
+    reference_bench *b = values;
+    b->cli = cli;
+    return bench(b, err);
 }
 
 const iso_command iso_lab_reference = {
@@ -158,5 +151,6 @@ const iso_command iso_lab_reference = {
         "space is skipped, and every piece of a ray is halved until the result is stable. bound: upper bound of a\n"
         "pixel value's distance from the equation. apart: largest difference of the two pictures.",
     .examples = "  isoshade-lab reference v.nrrd --size 8\n",
+    ISO_COMMAND_OPTIONS(reference_bench, options, .size = 24, .runs = 1),
     .run = run,
 };

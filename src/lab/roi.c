@@ -306,7 +306,7 @@ static iso_status load_and_measure(bench_run *run, iso_error *err)
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_scene scene = {0};
     iso_subject_look look;
-    iso_status status = iso_words_check_range("--level", run->level, 1, 6, err);
+    iso_status status = ISO_OK;
     build.level_count = (size_t)run->level + 1;
     build.threads = run->cli->threads;
     TRY(status, iso_cli_look_check(&run->look, run->cli->threads, &look, err));
@@ -332,26 +332,21 @@ static iso_status load_and_measure(bench_run *run, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    ISO_OPTIONS_OF(bench_run, look, iso_scene_rows),
+    ISO_OPTIONS_OF(bench_run, look, iso_tf_rows),
+    {"level", 0, "use level K around the box", "K", ISO_IN(bench_run, level), .flags = ISO_SHOWN, .least = 1,
+     .most = 6},
+    {"output", 'o', "write a picture of the blended case", "FILE.png", ISO_IN(bench_run, picture)},
+    ISO_OPTIONS_OF(bench_run, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    bench_run b = {.level = 2};
-    iso_volume_input_defaults(&b.input);
-    struct poptOption options[] = {
-        ISO_CLI_SCENE_OPTION(&b.look),
-        ISO_CLI_TF_OPTIONS(&b.look),
-        {"level", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.level, 0, "use level K around the box", "K"},
-        {"output", 'o', POPT_ARG_STRING, &b.picture, 0, "write a picture of the blended case", "FILE.png"},
-        ISO_CLI_INPUT_OPTIONS(&b.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    b.cli = &cli;
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = load_and_measure(&b, err);
-    iso_cli_end(&cli);
-    return status;
+    bench_run *b = values;
+    b->cli = cli;
+    return load_and_measure(b, err);
 }
 
 const iso_command iso_lab_roi = {
@@ -368,5 +363,6 @@ const iso_command iso_lab_roi = {
         "RMSE compare the whole image with level 0.",
     .examples = "  isoshade make noise --size 48 --type uint8 -o noise.nrrd\n"
                 "  isoshade-lab roi noise.nrrd --scene refscenes/marschner-lobb.scene.json --level 1\n",
+    ISO_COMMAND_OPTIONS(bench_run, options, .level = 2),
     .run = run,
 };

@@ -161,7 +161,7 @@ static iso_status bench(const iso_cli *cli, int layouts, const char *picture, is
     seams s;
     result results[SCHEME_COUNT];
     iso_random state = {1};
-    iso_status status = iso_words_check_range("--layouts", layouts, 1, 100000, err);
+    iso_status status = ISO_OK;
     if (status != ISO_OK)
         return status;
     status = create(&s, &state, err);
@@ -176,23 +176,22 @@ static iso_status bench(const iso_cli *cli, int layouts, const char *picture, is
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+typedef struct seams_options {
+    int layouts;
+    char *picture;
+} seams_options;
+
+static const iso_option options[] = {
+    {"layouts", 0, "use N random layouts", "N", ISO_IN(seams_options, layouts), .flags = ISO_SHOWN, .least = 1,
+     .most = 100000},
+    {"output", 'o', "write a picture of the counterexample", "FILE.png", ISO_IN(seams_options, picture)},
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    int layouts = 100;
-    char *picture = NULL;
-    struct poptOption options[] = {
-        {"layouts", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &layouts, 0, "use N random layouts", "N"},
-        {"output", 'o', POPT_ARG_STRING, &picture, 0, "write a picture of the counterexample", "FILE.png"},
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = bench(&cli, layouts, picture, err);
-    iso_cli_end(&cli);
-    free(picture);
-    return status;
+    const seams_options *o = values;
+    return bench(cli, o->layouts, o->picture, err);
 }
 
 const iso_command iso_lab_seams = {
@@ -204,5 +203,6 @@ const iso_command iso_lab_seams = {
         "is a plane across an edge where fine and coarse bricks meet: centers-own, paper-written, paper-corrected,\n"
         "nodes-baked.",
     .examples = "  isoshade-lab seams --layouts 5 -o seams.png\n",
+    ISO_COMMAND_OPTIONS(seams_options, options, .layouts = 100),
     .run = run,
 };

@@ -202,10 +202,8 @@ static iso_status run_all(iso_shading_run *run, iso_error *err)
         run->analytic_size = run->analytic_size < 48 ? run->analytic_size : 48;
     }
     iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){run->views, ISO_DIAGONAL_VIEWS, run->size,
-                                                                       run->levels, ISO_SHADING_LEVELS},
-                                                 err);
-    TRY(status, iso_words_check_range("--analytic", run->analytic_size, 16, 512, err));
-    TRY(status, iso_words_check_range("--surface", run->surface, 0, 1, err));
+                                                                   run->levels, ISO_SHADING_LEVELS},
+                                               err);
     list_subjects(run);
     run->results = calloc(run->subject_count * ISO_SHADING_LEVELS, sizeof *run->results);
     if (status == ISO_OK && !run->results)
@@ -230,7 +228,34 @@ static iso_status run_all(iso_shading_run *run, iso_error *err)
     return status;
 }
 
-static const iso_command command = {
+static const iso_option options[] = {
+    {"shading", 0, "measure directions (default without a volume)", NULL, ISO_IN(iso_shading_run, shading)},
+    {"held", 0, "report these volumes in a separate block", "FILE,FILE", ISO_IN(iso_shading_run, held)},
+    {"views", 0, "use N views along an icosahedron's diagonals, at most 6", "N", ISO_IN(iso_shading_run, views),
+     .flags = ISO_SHOWN},
+    {"size", 0, "render N x N pixels", "N", ISO_IN(iso_shading_run, size), .flags = ISO_SHOWN},
+    {"levels", 0, "use N levels, counting level 0", "N", ISO_IN(iso_shading_run, levels), .flags = ISO_SHOWN},
+    {"surface", 0, "set the surface, a fraction of the range (by [otsu-1979])", "FRACTION",
+     ISO_IN(iso_shading_run, surface), .most = 1},
+    {"analytic", 0, "use analytic volumes of N^3 voxels", "N", ISO_IN(iso_shading_run, analytic_size),
+     .flags = ISO_SHOWN, .least = 16, .most = 512},
+    {"adapted", 0, "also use each level's own transfer function", NULL, ISO_IN(iso_shading_run, adapted)},
+    {"floor", 0, "use level 0's directions at every level (only if the default lost)", NULL,
+     ISO_IN(iso_shading_run, floor)},
+    {"quick", 0, "use two views of 96 pixels, analytic volumes of 48^3", NULL, ISO_IN(iso_shading_run, quick)},
+    {"csv", 0, "write all figures as a table", "FILE", ISO_IN(iso_shading_run, csv)},
+    ISO_OPTIONS_OF(iso_shading_run, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
+{
+    iso_shading_run *r = values;
+    r->cli = cli;
+    return run_all(r, err);
+}
+
+const iso_command iso_lab_shading = {
     .name = "consistency",
     .summary = "shading at coarse levels compared with level 0, by each kind of directions",
     .max_arguments = 64,
@@ -243,40 +268,7 @@ static const iso_command command = {
         "two classes; levels that show nothing, or without an error.",
     .examples = "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
                 "  isoshade-lab consistency --shading shells.nrrd --quick --levels 3\n",
+    ISO_COMMAND_OPTIONS(iso_shading_run, options, .views = ISO_DIAGONAL_VIEWS, .size = 160, .levels = 4,
+                        .analytic_size = 96, .shading = 1),
+    .run = run,
 };
-
-iso_status iso_lab_shading(int argc, const char **argv, iso_error *err)
-{
-    iso_shading_run run = {.views = ISO_DIAGONAL_VIEWS, .size = 160, .levels = 4, .analytic_size = 96};
-    int shading = 1;
-    iso_volume_input_defaults(&run.input);
-    struct poptOption options[] = {
-        {"shading", 0, POPT_ARG_NONE, &shading, 0, "measure directions (default without a volume)", NULL},
-        {"held", 0, POPT_ARG_STRING, &run.held, 0, "report these volumes in a separate block", "FILE,FILE"},
-        {"views", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.views, 0,
-         "use N views along an icosahedron's diagonals, at most 6", "N"},
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.size, 0, "render N x N pixels", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.levels, 0, "use N levels, counting level 0", "N"},
-        {"surface", 0, POPT_ARG_DOUBLE, &run.surface, 0, "set the surface, a fraction of the range (by [otsu-1979])",
-         "FRACTION"},
-        {"analytic", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &run.analytic_size, 0,
-         "use analytic volumes of N^3 voxels", "N"},
-        {"adapted", 0, POPT_ARG_NONE, &run.adapted, 0, "also use each level's own transfer function", NULL},
-        {"floor", 0, POPT_ARG_NONE, &run.floor, 0, "use level 0's directions at every level (only if the default lost)",
-         NULL},
-        {"quick", 0, POPT_ARG_NONE, &run.quick, 0, "use two views of 96 pixels, analytic volumes of 48^3", NULL},
-        {"csv", 0, POPT_ARG_STRING, &run.csv, 0, "write all figures as a table", "FILE"},
-        ISO_CLI_INPUT_OPTIONS(&run.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, &command, argc, argv, options, &next, err);
-    run.cli = &cli;
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = run_all(&run, err);
-    iso_cli_end(&cli);
-    free(run.held);
-    free(run.csv);
-    return status;
-}

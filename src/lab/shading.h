@@ -5,7 +5,7 @@
 
 #include "options/cli.h"
 
-iso_status iso_lab_shading(int argc, const char **argv, iso_error *err);
-iso_status iso_lab_filters(int argc, const char **argv, iso_error *err);
+extern const iso_command iso_lab_shading;
+extern const iso_command iso_lab_filters;
 
 #endif

@@ -41,7 +41,7 @@ typedef struct iso_shading_result {
 typedef struct iso_shading_run {
     const iso_cli *cli;
     iso_volume_input input;
-    int views, size, levels, analytic_size, adapted, floor, quick;
+    int views, size, levels, analytic_size, adapted, floor, quick, shading;
     double surface;
     char *held, *csv;
     iso_gl *gl;

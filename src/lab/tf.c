@@ -249,33 +249,23 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"size", 0, "use noise of N^3 voxels if no volume is given", "N", ISO_IN(tf_bench, size), .flags = ISO_SHOWN,
+     .least = 8, .most = 2048},
+    {"levels", 0, "use N levels, counting level 0", "N", ISO_IN(tf_bench, levels), .flags = ISO_SHOWN, .least = 2,
+     .most = 16},
+    {"runs", 0, "run N times; the least time counts", "N", ISO_IN(tf_bench, runs), .flags = ISO_SHOWN, .least = 1,
+     .most = 1000},
+    {"no-gl", 0, "skip the frame that times are compared with", NULL, ISO_IN(tf_bench, no_gl)},
+    ISO_OPTIONS_OF(tf_bench, input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    tf_bench b = {.size = 128, .levels = 4, .runs = 3};
-    iso_volume_input_defaults(&b.input);
-    struct poptOption options[] = {
-        {"size", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.size, 0,
-         "use noise of N^3 voxels if no volume is given", "N"},
-        {"levels", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.levels, 0, "use N levels, counting level 0", "N"},
-        {"runs", 0, POPT_ARG_INT | POPT_ARGFLAG_SHOW_DEFAULT, &b.runs, 0, "run N times; the least time counts", "N"},
-        {"no-gl", 0, POPT_ARG_NONE, &b.no_gl, 0, "skip the frame that times are compared with", NULL},
-        ISO_CLI_INPUT_OPTIONS(&b.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    b.cli = &cli;
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--size", b.size, 8, 2048, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--levels", b.levels, 2, 16, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = iso_words_check_range("--runs", b.runs, 1, 1000, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = run_all(&b, err);
-    iso_cli_end(&cli);
-    return status;
+    tf_bench *b = values;
+    b->cli = cli;
+    return run_all(b, err);
 }
 
 const iso_command iso_lab_tf = {
@@ -288,5 +278,6 @@ const iso_command iso_lab_tf = {
         "\"all\" is adapting and computing its error at the voxels, for which the histogram and the transfer function\n"
         "suffice. Small views decide whether an adapted transfer function is used; their time is processor time.",
     .examples = "  isoshade-lab tf --size 64 --runs 2\n",
+    ISO_COMMAND_OPTIONS(tf_bench, options, .size = 128, .levels = 4, .runs = 3),
     .run = run,
 };

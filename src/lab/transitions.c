@@ -389,11 +389,8 @@ static iso_status bench(const iso_cli *cli, const transitions_options *opt, iso_
     const bench_render_options *r = &opt->render;
     iso_pyramid p;
     iso_gl *gl;
-    iso_status status = iso_words_check_range("--size", r->size, 8, 1024, err);
-    TRY(status, iso_words_check_range("--image", r->image, 1, 8192, err));
-    TRY(status, iso_words_check_range("--runs", r->runs, 1, 1000, err));
-    TRY(status, iso_words_check_range("--step", r->step_voxels, 1e-3, 100, err));
-    if (status == ISO_OK && opt->picture && !opt->transition)
+    iso_status status = ISO_OK;
+    if (opt->picture && !opt->transition)
         status = iso_fail(err, ISO_E_USAGE, "-o needs --transition");
     TRY(status, iso_gl_create(&gl, NULL, err));
     if (status != ISO_OK)
@@ -407,30 +404,27 @@ static iso_status bench(const iso_cli *cli, const transitions_options *opt, iso_
     return status;
 }
 
-static iso_status run(const iso_command *self, int argc, const char **argv, iso_error *err)
+static const iso_option options[] = {
+    {"size", 0, "voxels per side of the synthetic volume", "N", ISO_IN(transitions_options, render.size),
+     .flags = ISO_SHOWN, .least = 8, .most = 1024},
+    {"image", 0, "pixels per side", "N", ISO_IN(transitions_options, render.image), .flags = ISO_SHOWN, .least = 1,
+     .most = 8192},
+    {"step", 0, "set the ray step", "VOXELS", ISO_IN(transitions_options, render.step_voxels), .flags = ISO_SHOWN,
+     .least = 1e-3, .most = 100},
+    {"runs", 0, "draw each case N times; the least time counts", "N", ISO_IN(transitions_options, render.runs),
+     .flags = ISO_SHOWN, .least = 1, .most = 1000},
+    {"bricks", 0, "voxels per side of a brick", "VOXELS", ISO_IN(transitions_options, render.bricks),
+     .flags = ISO_SHOWN},
+    {"transition", 0, "only discontinuous, baked, centers-discontinuous, paper or paper-corrected", "NAME",
+     ISO_IN(transitions_options, transition)},
+    {"output", 'o', "with --transition: write the shaded image", "FILE.png", ISO_IN(transitions_options, picture)},
+    ISO_OPTIONS_OF(transitions_options, render.input, iso_input_rows),
+    ISO_OPTIONS_END,
+};
+
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    transitions_options opt = {.render = {.size = 256, .image = 512, .runs = 3, .step_voxels = 1, .bricks = 32}};
-    iso_volume_input_defaults(&opt.render.input);
-    const int shown = POPT_ARGFLAG_SHOW_DEFAULT;
-    struct poptOption options[] = {
-        {"size", 0, POPT_ARG_INT | shown, &opt.render.size, 0, "voxels per side of the synthetic volume", "N"},
-        {"image", 0, POPT_ARG_INT | shown, &opt.render.image, 0, "pixels per side", "N"},
-        {"step", 0, POPT_ARG_DOUBLE | shown, &opt.render.step_voxels, 0, "set the ray step", "VOXELS"},
-        {"runs", 0, POPT_ARG_INT | shown, &opt.render.runs, 0, "draw each case N times; the least time counts", "N"},
-        {"bricks", 0, POPT_ARG_INT | shown, &opt.render.bricks, 0, "voxels per side of a brick", "VOXELS"},
-        {"transition", 0, POPT_ARG_STRING, &opt.transition, 0,
-         "only discontinuous, baked, centers-discontinuous, paper or paper-corrected", "NAME"},
-        {"output", 'o', POPT_ARG_STRING, &opt.picture, 0, "with --transition: write the shaded image", "FILE.png"},
-        ISO_CLI_INPUT_OPTIONS(&opt.render.input),
-        POPT_TABLEEND,
-    };
-    iso_cli cli;
-    iso_cli_next next;
-    iso_status status = iso_cli_parse(&cli, self, argc, argv, options, &next, err);
-    if (status == ISO_OK && next == ISO_CLI_RUN)
-        status = bench(&cli, &opt, err);
-    iso_cli_end(&cli);
-    return status;
+    return bench(cli, values, err);
 }
 
 const iso_command iso_lab_transitions = {
@@ -445,5 +439,7 @@ const iso_command iso_lab_transitions = {
         "(smooth) and by [-1 2 6 2 -1] (sharp, as bricks use), and of nodes interpolated between the cells.",
     .examples = "  isoshade-lab transitions --size 48 --image 64 --runs 1 --bricks 8\n"
                 "  isoshade-lab transitions --size 48 --image 64 --runs 1 --bricks 8 --transition paper -o paper.png\n",
+    ISO_COMMAND_OPTIONS(transitions_options, options,
+                        .render = {.size = 256, .image = 512, .runs = 3, .step_voxels = 1, .bricks = 32}),
     .run = run,
 };

@@ -10,10 +10,21 @@
 #include "scene/level_view.h"
 #include "tf/ghost.h"
 
-void iso_cli_adapted_defaults(iso_cli_adapted *a)
-{
-    *a = (iso_cli_adapted){.bits = iso_adapt_defaults().bits};
-}
+const iso_option iso_adapt_method_rows[] = {
+    {"bits", 0, "bits of the joint histogram, 8 to 16", "N", ISO_IN(iso_cli_adapted, bits), .flags = ISO_SHOWN},
+    {"always", 0, "adapt even if small views show no gain", NULL, ISO_IN(iso_cli_adapted, always)},
+    ISO_OPTIONS_END,
+};
+
+const iso_option iso_adapted_rows[] = {
+    {"adapt", 0, "adapt the transfer function to the level", NULL, ISO_IN(iso_cli_adapted, wanted)},
+    {"extinction-scale", 0, "scale coarse voxels' extinction to match the opacity of fine ones", NULL,
+     ISO_IN(iso_cli_adapted, extinction_scale)},
+    {"tf-2d", 0, "use a 2D transfer function with this second value", "deviation|gradient",
+     ISO_IN(iso_cli_adapted, tf_2d), .flags = ISO_ONE_OF},
+    {.table = iso_adapt_method_rows},
+    ISO_OPTIONS_END,
+};
 
 iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adapt_options *opt, iso_error *err)
 {
@@ -25,18 +36,12 @@ iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adap
     return status;
 }
 
-iso_status iso_cli_adapt_second_value(const iso_cli_adapted *a, iso_second_value *second, iso_error *err)
+/* Reads --tf-2d. */
+static iso_second_value second_value(const iso_cli_adapted *a)
 {
-    *second = ISO_SECOND_VALUE_NONE;
-    if (!a->tf_2d)
-        return ISO_OK;
-    if (strcmp(a->tf_2d, "deviation") == 0)
-        *second = ISO_SECOND_VALUE_DEVIATION;
-    else if (strcmp(a->tf_2d, "gradient") == 0)
-        *second = ISO_SECOND_VALUE_GRADIENT;
-    else
-        return iso_fail(err, ISO_E_USAGE, "--tf-2d is \"%s\", must be deviation or gradient", a->tf_2d);
-    return ISO_OK;
+    return !a->tf_2d                            ? ISO_SECOND_VALUE_NONE
+           : strcmp(a->tf_2d, "deviation") == 0 ? ISO_SECOND_VALUE_DEVIATION
+                                                : ISO_SECOND_VALUE_GRADIENT;
 }
 
 /* True if an option says how to adapt; without --adapt it would have no effect. */
@@ -59,8 +64,9 @@ static void report_ghost(const iso_cli_adapted *a, size_t level, double ghost, b
 }
 
 /* Measures the ghost of a level without small views, and reports it if it is above the limit. */
-static iso_status look_for_ghost(const iso_cli_adapted *a, const iso_pyramid *p, size_t level, const iso_tf_table *original,
-                                 const iso_tf_table *tf, const iso_tf_2d *tf_2d, iso_error *err)
+static iso_status look_for_ghost(const iso_cli_adapted *a, const iso_pyramid *p, size_t level,
+                                 const iso_tf_table *original, const iso_tf_table *tf, const iso_tf_2d *tf_2d,
+                                 iso_error *err)
 {
     double ghost = 0;
     const iso_status status = iso_ghost_measure(p, level, original, tf, tf_2d, a->cli ? a->cli->threads : 0, &ghost,
@@ -106,11 +112,10 @@ static iso_status adapt_view(const iso_cli_adapted *a, const char *path, const i
                              iso_view *view, int threads, iso_error *err)
 {
     iso_adapt_options opt;
-    iso_second_value second;
+    const iso_second_value second = second_value(a);
     iso_status status = iso_cli_adapt_options(a, threads, &opt, err);
     if (a->extinction_scale)
         opt.fall_back = false;
-    TRY(status, iso_cli_adapt_second_value(a, &second, err));
     if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE)
         status = iso_words_check_range("--bits with --tf-2d", a->bits, 8, 12, err);
     opt.folder = iso_pyramid_is_one(path) ? path : NULL;

@@ -82,10 +82,8 @@ static size_t subject_of(const char *name)
 /* Hides the options that only --help=all shows, and writes their names to the lines of their subjects. */
 static void hide_rare(const iso_command *command, struct poptOption *o, FILE *lines[SUBJECTS])
 {
-    for (; o->longName || o->shortName || o->arg; ++o)
-        if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE) {
-            hide_rare(command, o->arg, lines);
-        } else if (o->longName && !(o->argInfo & POPT_ARGFLAG_DOC_HIDDEN) && !is_common_name(command, o->longName)) {
+    for (; o->longName; ++o)
+        if (!(o->argInfo & POPT_ARGFLAG_DOC_HIDDEN) && !is_common_name(command, o->longName)) {
             o->argInfo |= POPT_ARGFLAG_DOC_HIDDEN;
             fprintf(lines[subject_of(o->longName)], " --%s", o->longName);
         }
@@ -178,44 +176,33 @@ static const char *option_before(const char *bad, int argc, const char **argv, c
     return "";
 }
 
-static bool is_numeric(const struct poptOption *o)
+static bool is_numeric(const iso_option *o)
 {
-    switch (o->argInfo & POPT_ARG_MASK) {
-    case POPT_ARG_INT:
-    case POPT_ARG_SHORT:
-    case POPT_ARG_LONG:
-    case POPT_ARG_LONGLONG:
-    case POPT_ARG_FLOAT:
-    case POPT_ARG_DOUBLE: return true;
-    default: return false;
-    }
+    return o->value && o->kind != ISO_OPTION_TEXT && o->kind != ISO_OPTION_TEXTS;
 }
 
 /* Refuses an empty word, which popt reads as 0, and infinite numbers: -inf marks an option that is not given. */
-static iso_status check_number(const struct poptOption *o, const char *text, iso_error *err)
+static iso_status check_number(const iso_option *o, const char *text, iso_error *err)
 {
-    const char *option = o->longName;
+    const char *option = o->name;
     char *end;
     if (!*text)
         return iso_fail(err, ISO_E_USAGE, "--%s is empty, must be a number", option);
-    if (o->val == ISO_CLI_NOT_ZERO && strtod(text, &end) == 0 && !*end)
+    if ((o->flags & ISO_NOT_ZERO) && strtod(text, &end) == 0 && !*end)
         return iso_fail(err, ISO_E_USAGE, "--%s is %s, must be at least 1", option, text);
     return isinf(strtod(text, NULL)) ? iso_fail(err, ISO_E_USAGE, "--%s is %s, must be a finite number", option, text)
                                      : ISO_OK;
 }
 
-static iso_status check_numbers(const struct poptOption *o, int argc, const char **argv, iso_error *err)
+static iso_status check_numbers(const iso_bound_options *bound, int argc, const char **argv, iso_error *err)
 {
     iso_status status = ISO_OK;
-    for (; status == ISO_OK && (o->longName || o->shortName || o->arg); ++o) {
-        if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE)
-            status = check_numbers(o->arg, argc, argv, err);
-        if (!is_numeric(o) || !o->longName)
-            continue;
-        const size_t length = strlen(o->longName);
-        for (int i = 1; status == ISO_OK && i < argc && strcmp(argv[i], "--") != 0; ++i) {
+    for (size_t k = 0; status == ISO_OK && k < bound->count; ++k) {
+        const iso_option *o = bound->rows[k];
+        const size_t length = strlen(o->name);
+        for (int i = 1; is_numeric(o) && status == ISO_OK && i < argc && strcmp(argv[i], "--") != 0; ++i) {
             const char *word = argv[i];
-            if (strncmp(word, "--", 2) != 0 || strncmp(word + 2, o->longName, length) != 0)
+            if (strncmp(word, "--", 2) != 0 || strncmp(word + 2, o->name, length) != 0)
                 continue;
             const char *rest = word + 2 + length;
             if (*rest == '=' || (!*rest && i + 1 < argc))
@@ -225,54 +212,87 @@ static iso_status check_numbers(const struct poptOption *o, int argc, const char
     return status;
 }
 
-/* Set while options are visited. Commands keep their tables on the stack of run(), so iso_cli_parse() passes them
- * on. */
-static struct {
-    iso_cli_option_visitor visit;
-    void *user;
-} visiting;
+/* ---- options of all commands ---- */
 
-static void visit_table(const struct poptOption *o, bool is_common)
+typedef struct common_options {
+    int json, quiet, threads, no_sandbox, full_paths, no_provenance, help;
+    double timeout;
+} common_options;
+static const common_options common_defaults = {.timeout = -HUGE_VAL}; /* not given */
+static const iso_option common_rows[] = {
+    {"json", 0, "print one JSON object on stdout", NULL, ISO_IN(common_options, json)},
+    {"quiet", 'q', "print no progress", NULL, ISO_IN(common_options, quiet)},
+    {"threads", 0, "number of threads; 0: all cores", "N", ISO_IN(common_options, threads), .most = 1024},
+    {"timeout", 0, "time limit of each external program; 0: none", "SECONDS", ISO_IN(common_options, timeout),
+     .most = 1e9},
+    {"no-sandbox", 0, "let other programs write anywhere and use the network", NULL,
+     ISO_IN(common_options, no_sandbox)},
+    {"full-paths", 0, "write full paths into outputs", NULL, ISO_IN(common_options, full_paths)},
+    {"no-provenance", 0, "write no command and no input names into outputs", NULL,
+     ISO_IN(common_options, no_provenance)},
+    {"help", 'h', "show this text; --help=all: with all options", NULL, ISO_IN(common_options, help)},
+    ISO_OPTIONS_END,
+};
+
+/* The options of a command and those of all commands. */
+typedef struct all_options {
+    iso_bound_options own, common;
+    struct poptOption *table; /* both */
+} all_options;
+
+static void unbind(all_options *all)
 {
-    for (; o->longName || o->shortName || o->arg; ++o)
-        if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE)
-            visit_table(o->arg, is_common);
-        else if (o->longName)
-            visiting.visit(visiting.user, o, is_common);
+    free(all->table);
+    iso_options_unbind(&all->own);
+    iso_options_unbind(&all->common);
+}
+
+static iso_status bind(const iso_command *command, all_options *all, iso_error *err)
+{
+    *all = (all_options){.table = NULL};
+    iso_status status = iso_options_bind(command->options, command->options_size, command->defaults, &all->own, err);
+    TRY(status, iso_options_bind(command->is_inner ? NULL : common_rows, sizeof(common_options), &common_defaults,
+                                 &all->common, err));
+    if (status != ISO_OK)
+        return status;
+    const size_t own = all->own.count, common = all->common.count;
+    all->table = calloc(own + common + 1, sizeof *all->table);
+    if (!all->table)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    memcpy(all->table, all->own.popt, own * sizeof *all->table);
+    memcpy(all->table + own, all->common.popt, common * sizeof *all->table);
+    return ISO_OK;
 }
 
 void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor visit, void *user)
 {
-    const char *const argv[] = {command->name, NULL};
+    all_options all;
     iso_error err = {""};
-    visiting.visit = visit;
-    visiting.user = user;
-    command->run(command, 1, (const char **)argv, &err);
-    visiting.visit = NULL;
+    if (bind(command, &all, &err) == ISO_OK)
+        for (size_t i = 0; i < all.own.count + all.common.count; ++i)
+            visit(user, &all.table[i], i >= all.own.count);
+    unbind(&all);
 }
 
 /* Applies the options that are given. The others keep the process's settings, which the environment may have
  * changed. */
-static iso_status take_common(double timeout, bool no_sandbox, bool full_paths, bool no_provenance, iso_error *err)
+static iso_status take_common(const common_options *c, iso_error *err)
 {
-    if (no_sandbox)
+    if (c->no_sandbox)
         iso_sandbox_set(false);
-    if (full_paths && no_provenance)
+    if (c->full_paths && c->no_provenance)
         return iso_fail(err, ISO_E_USAGE, "--full-paths and --no-provenance exclude each other");
-    if (full_paths || no_provenance)
-        iso_provenance_set(full_paths ? ISO_PROVENANCE_PATHS : ISO_PROVENANCE_NONE);
-    if (timeout == -HUGE_VAL)
-        return ISO_OK;
-    const iso_status status = iso_words_check_range("--timeout", timeout, 0, 1e9, err);
-    if (status == ISO_OK)
-        iso_process_set_limit(timeout);
-    return status;
+    if (c->full_paths || c->no_provenance)
+        iso_provenance_set(c->full_paths ? ISO_PROVENANCE_PATHS : ISO_PROVENANCE_NONE);
+    if (c->timeout != common_defaults.timeout)
+        iso_process_set_limit(c->timeout);
+    return ISO_OK;
 }
 
 /* ---- the values of all options, for keys ---- */
 
 /* Returns the words of a list as one text, each in quotes. NULL: no memory. */
-static json_t *words_json(char **words)
+static json_t *words_json(char *const *words)
 {
     char *text = NULL;
     size_t size = 0;
@@ -288,38 +308,31 @@ static json_t *words_json(char **words)
     return json;
 }
 
-static json_t *value_json(const struct poptOption *o)
+static json_t *value_json(const iso_option *o, const void *at)
 {
-    switch (o->argInfo & POPT_ARG_MASK) {
-    case POPT_ARG_NONE:
-    case POPT_ARG_VAL:
-    case POPT_ARG_INT: return json_sprintf("%d", *(int *)o->arg);
-    case POPT_ARG_SHORT: return json_sprintf("%d", *(short *)o->arg);
-    case POPT_ARG_LONG: return json_sprintf("%ld", *(long *)o->arg);
-    case POPT_ARG_LONGLONG: return json_sprintf("%lld", *(long long *)o->arg);
-    case POPT_ARG_FLOAT: return json_sprintf("%.9g", (double)*(float *)o->arg);
-    case POPT_ARG_DOUBLE: return json_sprintf("%.17g", *(double *)o->arg);
-    case POPT_ARG_ARGV: return words_json(*(char ***)o->arg);
-    default: return *(char **)o->arg ? json_string_nocheck(*(char **)o->arg) : json_null();
+    switch (o->kind) {
+    case ISO_OPTION_INT: return json_sprintf("%d", *(const int *)at);
+    case ISO_OPTION_LONG: return json_sprintf("%ld", *(const long *)at);
+    case ISO_OPTION_LONG_LONG: return json_sprintf("%lld", *(const long long *)at);
+    case ISO_OPTION_DOUBLE: return json_sprintf("%.17g", *(const double *)at);
+    case ISO_OPTION_TEXTS: return words_json(*(char *const *const *)at);
+    default: return *(char *const *)at ? json_string_nocheck(*(char *const *)at) : json_null();
     }
 }
 
 /* Adds the texts of all options to `given`. False: no memory. */
-static bool keep_values(const struct poptOption *o, json_t *given)
+static bool keep_values(const iso_bound_options *bound, json_t *given)
 {
     bool good = true;
-    for (; good && (o->longName || o->shortName || o->arg); ++o)
-        if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE)
-            good = keep_values(o->arg, given);
-        else if (o->longName && o->arg)
-            good = json_object_set_new(given, o->longName, value_json(o)) == 0;
+    for (size_t i = 0; good && i < bound->count; ++i)
+        good = json_object_set_new(given, bound->rows[i]->name, value_json(bound->rows[i], bound->popt[i].arg)) == 0;
     return good;
 }
 
-static iso_status keep_given(iso_cli *cli, const struct poptOption *table, iso_error *err)
+static iso_status keep_given(iso_cli *cli, const all_options *all, iso_error *err)
 {
     cli->given = json_object();
-    bool good = cli->given && keep_values(table, cli->given);
+    bool good = cli->given && keep_values(&all->own, cli->given) && keep_values(&all->common, cli->given);
     for (size_t i = 0; i < cli->argument_count && good; ++i) {
         char name[32];
         snprintf(name, sizeof name, " %zu", i + 1);
@@ -345,7 +358,8 @@ iso_key *iso_cli_key(const iso_cli *cli, const char *const *without)
     if (!key)
         return NULL;
     iso_key_add_text(key, "the command", cli->command->name);
-    json_object_foreach(cli->given, name, value) {
+    json_object_foreach(cli->given, name, value)
+    {
         char part[80];
         if (json_is_null(value) || is_among(name, never) || is_among(name, without))
             continue;
@@ -369,11 +383,8 @@ static bool take_help_all(int argc, const char **argv)
 
 static void guess_option(const struct poptOption *o, const char *word, iso_guess *guess)
 {
-    for (; o->longName || o->shortName || o->arg; ++o)
-        if ((o->argInfo & POPT_ARG_MASK) == POPT_ARG_INCLUDE_TABLE)
-            guess_option(o->arg, word, guess);
-        else if (o->longName)
-            iso_guess_try(guess, word, o->longName);
+    for (; o->longName; ++o)
+        iso_guess_try(guess, word, o->longName);
 }
 
 static iso_status fail_option(const iso_command *command, poptContext context, const struct poptOption *table,
@@ -391,56 +402,30 @@ static iso_status fail_option(const iso_command *command, poptContext context, c
                     command->is_inner ? "; a file may name only options of this command" : "");
 }
 
-iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
-                         struct poptOption *options, iso_cli_next *next, iso_error *err)
+/* Parses the words. *runs: false after --help, which is printed. */
+static iso_status parse(iso_cli *cli, all_options *all, bool *runs, iso_error *err)
 {
-    *cli = (iso_cli){.argc = argc, .argv = argv, .command = command, .quiet = command->is_inner};
-    *next = ISO_CLI_RUN;
-    int help = 0, no_sandbox = 0, no_provenance = 0, full_paths = 0;
-    double timeout = -HUGE_VAL; /* not given */
-    struct poptOption common[] = {
-        {"json", 0, POPT_ARG_NONE, &cli->json, 0, "print one JSON object on stdout", NULL},
-        {"quiet", 'q', POPT_ARG_NONE, &cli->quiet, 0, "print no progress", NULL},
-        {"threads", 0, POPT_ARG_INT, &cli->threads, 0, "number of threads; 0: all cores", "N"},
-        {"timeout", 0, POPT_ARG_DOUBLE, &timeout, 0, "time limit of each external program; 0: none", "SECONDS"},
-        {"no-sandbox", 0, POPT_ARG_NONE, &no_sandbox, 0, "let other programs write anywhere and use the network", NULL},
-        {"full-paths", 0, POPT_ARG_NONE, &full_paths, 0, "write full paths into outputs", NULL},
-        {"no-provenance", 0, POPT_ARG_NONE, &no_provenance, 0, "write no command and no input names into outputs",
-         NULL},
-        {"help", 'h', POPT_ARG_NONE, &help, 0, "show this text; --help=all: with all options", NULL},
-        POPT_TABLEEND,
-    };
-    struct poptOption table[] = {
-        {NULL, 0, POPT_ARG_INCLUDE_TABLE, options, 0, NULL, NULL},
-        {NULL, 0, POPT_ARG_INCLUDE_TABLE, common, 0, NULL, NULL},
-        POPT_TABLEEND,
-    };
-    if (command->is_inner)
-        table[1] = (struct poptOption)POPT_TABLEEND;
-    if (visiting.visit) {
-        visit_table(options, false);
-        visit_table(common, true);
-        *next = ISO_CLI_STOP;
-        return ISO_OK;
-    }
-    const bool all = take_help_all(argc, argv);
-    iso_status status = check_numbers(table, argc, argv, err);
+    const iso_command *command = cli->command;
+    const common_options *common = all->common.values;
+    const bool help_all = take_help_all(cli->argc, cli->argv);
+    iso_status status = check_numbers(&all->own, cli->argc, cli->argv, err);
+    TRY(status, check_numbers(&all->common, cli->argc, cli->argv, err));
     if (status != ISO_OK)
         return status;
-    cli->context = poptGetContext(program, argc, argv, table, 0);
-    /* popt stores values through POPT_ARG_* pointers, and stops at options that have a val. */
-    int result;
-    do
-        result = poptGetNextOpt(cli->context);
-    while (result > 0);
+    cli->context = poptGetContext(program, cli->argc, cli->argv, all->table, 0);
+    const int result = poptGetNextOpt(cli->context);
     if (result < -1)
-        return fail_option(command, cli->context, table, result, argc, argv, err);
-    if (help) {
-        print_help(command, table, cli->context, all || !command->common);
-        *next = ISO_CLI_STOP;
+        return fail_option(command, cli->context, all->table, result, cli->argc, cli->argv, err);
+    *runs = !common->help;
+    if (common->help) {
+        print_help(command, all->table, cli->context, help_all || !command->common);
         return ISO_OK;
     }
-    status = take_common(timeout, no_sandbox, full_paths, no_provenance, err);
+    cli->json = common->json, cli->threads = common->threads;
+    cli->quiet = common->quiet || command->is_inner;
+    status = iso_options_take(&all->own, err);
+    TRY(status, iso_options_take(&all->common, err));
+    TRY(status, take_common(common, err));
     if (status != ISO_OK)
         return status;
     if (!cli->quiet)
@@ -451,21 +436,30 @@ iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, con
     if (cli->argument_count < command->min_arguments || cli->argument_count > command->max_arguments)
         return iso_fail(err, ISO_E_USAGE, "%zu arguments; usage: %s %s %s", cli->argument_count, program, command->name,
                         command->usage);
-    status = iso_words_check_range("--threads", cli->threads, 0, 1024, err);
-    TRY(status, keep_given(cli, table, err));
+    status = keep_given(cli, all, err);
     /* tf checks its own outputs, whose names it makes. */
     return status == ISO_OK && strcmp(command->name, "tf") != 0
-               ? iso_cli_refuse_overwriting(options, cli->arguments, err)
+               ? iso_cli_refuse_overwriting(all->own.popt, cli->arguments, err)
                : status;
 }
 
-void iso_cli_end(iso_cli *cli)
+iso_status iso_command_run(const iso_command *command, int argc, const char **argv, iso_error *err)
 {
-    iso_progress_line_destroy(cli->progress);
-    if (cli->context)
-        poptFreeContext(cli->context);
-    json_decref(cli->given);
-    *cli = (iso_cli){0};
+    iso_cli cli = {.argc = argc, .argv = argv, .command = command};
+    all_options all;
+    bool runs = false;
+    if (command->run_words)
+        return command->run_words(command, argc, argv, err);
+    iso_status status = bind(command, &all, err);
+    TRY(status, parse(&cli, &all, &runs, err));
+    if (status == ISO_OK && runs)
+        status = command->run(&cli, all.own.values, err);
+    iso_progress_line_destroy(cli.progress);
+    if (cli.context)
+        poptFreeContext(cli.context);
+    json_decref(cli.given);
+    unbind(&all);
+    return status;
 }
 
 iso_progress iso_cli_progress(const iso_cli *cli)

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* cli.h - the command line: one table of commands, one file per command.
  *
- * A command parses its arguments with iso_cli_parse(), which handles the options of all commands, such as --help (to
- * stdout, exit 0), --json and --threads. Results go to stdout, messages and progress to stderr. A command returns a
+ * iso_command_run() parses the arguments by the command's table of options (options/option.h) and by that of all
+ * commands, such as --help (to stdout, exit 0), --json and --threads. Results go to stdout, messages and progress to stderr. A command returns a
  * status, which becomes the exit code; main() prints its error as "isoshade COMMAND: MESSAGE". */
 #ifndef ISO_OPTIONS_CLI_H
 #define ISO_OPTIONS_CLI_H
 
 #include <jansson.h>
-#include <popt.h>
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -18,6 +17,9 @@
 #include "base/status.h"
 #include "base/version.h"
 #include "base/words.h"
+#include "options/option.h"
+
+typedef struct iso_cli iso_cli;
 
 typedef struct iso_command {
     const char *name;
@@ -29,28 +31,36 @@ typedef struct iso_command {
     const iso_names *const *lists; /* names that its options choose from, for --help; ends with NULL, or NULL */
     const char *examples;          /* lines that run, each starting with "isoshade" */
     const char *common;            /* options that --help shows, separated by blanks; NULL: all */
-    bool is_inner; /* True if another command runs it with words of a file: quiet, without common options */
-    iso_status (*run)(const struct iso_command *self, int argc, const char **argv, iso_error *err);
+    bool is_inner;             /* True if another command runs it with words of a file: quiet, without common options */
+    const iso_option *options; /* NULL: only those of all commands */
+    size_t options_size;       /* bytes of the struct that `options` fills */
+    const void *defaults;      /* such a struct; NULL: zeros */
+    /* Runs with the parsed options: `options` points to the command's struct. */
+    iso_status (*run)(const iso_cli *cli, void *options, iso_error *err);
+    /* Runs instead of all that with the words of the command line, which another command may parse; or NULL. */
+    iso_status (*run_words)(const struct iso_command *self, int argc, const char **argv, iso_error *err);
 } iso_command;
+
+/* The members for options of a command: its struct, its table, and defaults as members of the struct. */
+#define ISO_COMMAND_OPTIONS(type, table, ...) \
+    .options = table, .options_size = sizeof(type), .defaults = &(const type) \
+    { \
+        __VA_ARGS__ \
+    }
 
 /* Table in src/cli/commands.h. */
 extern const iso_command *const iso_commands[]; /* ends with NULL */
 
-/* Options of commands that take renderers: programs of the user (renderers/external.h). */
-/* The option for the device of the ray caster. variable: the environment variable that it sets. */
-#define ISO_CLI_GL_DEVICE_OPTION(variable) \
-    { \
-        "gl-device", 0, POPT_ARG_STRING, variable, 0, \
-            "gl: number of isoshade list --gl, part of its name, or surfaceless (the first GPU)", "DEVICE" \
-    }
-#define ISO_CLI_RENDERERS_OPTION(variable) \
-    { \
-        "renderers", 0, POPT_ARG_STRING, variable, 0, \
-            "add render programs for --with (doc/guide/judging-a-renderer.md)", "FILE.json,..." \
-    }
+/* Options of commands that take renderers. The device of the ray caster; the user's programs (renderers/external.h). */
+/* clang-format off */
+#define ISO_CLI_GL_DEVICE_OPTION(type, member) \
+    {"gl-device", 0, "gl: number of isoshade list --gl, part of its name, or surfaceless (the first GPU)", "DEVICE", ISO_IN(type, member)}
+#define ISO_CLI_RENDERERS_OPTION(type, member) \
+    {"renderers", 0, "add render programs for --with (doc/guide/judging-a-renderer.md)", "FILE.json,...", ISO_IN(type, member)}
+/* clang-format on */
 
 /* A parsed command line. */
-typedef struct iso_cli {
+struct iso_cli {
     int json, quiet, threads;
     size_t argument_count;
     const char **arguments; /* positional arguments, owned by context */
@@ -60,25 +70,17 @@ typedef struct iso_cli {
     const iso_command *command;
     iso_progress_line *progress; /* NULL: none */
     json_t *given;               /* values of all options and arguments as texts, by name, with defaults */
-} iso_cli;
+};
 
-/* val of a number's poptOption if 0 means "not given" in its variable: 0 on the command line is refused. */
-enum { ISO_CLI_NOT_ZERO = 1 };
-
-typedef enum iso_cli_next { ISO_CLI_RUN, ISO_CLI_STOP } iso_cli_next;
-
-/* Parses argv by `options` (popt; ends with POPT_TABLEEND) and the common ones. On --help prints it and sets *next to
- * ISO_CLI_STOP. ISO_E_USAGE names the wrong option and its value, or the wrong number of positional arguments. Release
- * with iso_cli_end() in every case. */
-iso_status iso_cli_parse(iso_cli *cli, const iso_command *command, int argc, const char **argv,
-                         struct poptOption *options, iso_cli_next *next, iso_error *err);
-void iso_cli_end(iso_cli *cli);
+/* Parses the words by the command's options and the common ones, and runs the command; --help is printed instead.
+ * ISO_E_USAGE names the wrong option and its value, or the wrong number of positional arguments. */
+iso_status iso_command_run(const iso_command *command, int argc, const char **argv, iso_error *err);
 
 /* Sets the program's name in messages, help, schemas and provenance ("isoshade"). */
 void iso_cli_set_program(const char *name);
 
-/* Calls `visit` for each option of the command, in the order of --help, without running it. is_common: True for options
- * that all commands have. Not for several threads. */
+/* Calls `visit` for each option of the command, in the order of --help. is_common: True for options that all commands
+ * have. */
 typedef void (*iso_cli_option_visitor)(void *user, const struct poptOption *option, bool is_common);
 void iso_cli_visit_options(const iso_command *command, iso_cli_option_visitor visit, void *user);
 

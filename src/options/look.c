@@ -8,6 +8,33 @@
 #include "base/words.h"
 #include "tf/presets.h"
 
+const iso_option iso_scene_rows[] = {
+    {"scene", 0, "camera, lights, shading and transfer function (a first picture)", "SCENE.scene.json",
+     ISO_IN(iso_cli_look, scene)},
+    ISO_OPTIONS_END,
+};
+
+const iso_option iso_tf_rows[] = {
+    {"tf", 0, "transfer function, a file or preset (the scene's; auto)", "FILE|PRESET", ISO_IN(iso_cli_look, tf)},
+    ISO_OPTIONS_OF(iso_cli_look, transfer, iso_transfer_rows),
+    ISO_OPTIONS_END,
+};
+
+const iso_option iso_zoom_rows[] = {
+    {"zoom", 0, "factor to enlarge the middle of the picture (1)", "X", ISO_IN(iso_cli_look, zoom)},
+    ISO_OPTIONS_END,
+};
+
+const iso_option iso_look_rows[] = {
+    {.table = iso_scene_rows},
+    {.table = iso_tf_rows},
+    {"view", 0, "view direction, a name or degrees (the scene's; front or iso)", "NAME|AZ,EL",
+     ISO_IN(iso_cli_look, view)},
+    {.table = iso_zoom_rows},
+    {"size", 0, "image size in pixels (the scene's, or 512x512)", "WxH", ISO_IN(iso_cli_look, size)},
+    ISO_OPTIONS_END,
+};
+
 bool iso_cli_look_is_empty(const iso_cli_look *a)
 {
     return !a->scene && !a->tf && !a->view && !a->size && !a->zoom;

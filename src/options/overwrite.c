@@ -11,9 +11,9 @@
 
 static bool is_output(const struct poptOption *o)
 {
-    const char *const names[] = {"output",     "png",       "junit",      "image",    "full-image", "difference",
-                                 "histogram",  "summary-md", "flip-map", "csv",        "page"};
-    for (size_t i = 0; o->longName && i < sizeof names / sizeof *names; ++i)
+    const char *const names[] = {"output",    "png",        "junit",    "image", "full-image", "difference",
+                                 "histogram", "summary-md", "flip-map", "csv",   "page"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
         if (strcmp(o->longName, names[i]) == 0)
             return true;
     return false;
@@ -22,7 +22,7 @@ static bool is_output(const struct poptOption *o)
 /* True for tables that --csv extends. */
 static bool is_continued(const struct poptOption *o)
 {
-    return o->longName && strcmp(o->longName, "have") == 0;
+    return strcmp(o->longName, "have") == 0;
 }
 
 iso_status iso_cli_refuse_same_file(const char *output, const char *input, iso_error *err)
@@ -46,13 +46,11 @@ typedef struct visitor {
 static iso_status visit_texts(const struct poptOption *o, visitor *v)
 {
     iso_status status = ISO_OK;
-    for (; status == ISO_OK && (o->longName || o->shortName || o->arg); ++o) {
+    for (; status == ISO_OK && o->longName; ++o) {
         const unsigned kind = o->argInfo & POPT_ARG_MASK;
-        if (kind == POPT_ARG_INCLUDE_TABLE)
-            status = visit_texts(o->arg, v);
-        else if (kind == POPT_ARG_STRING && o->arg && *(char **)o->arg)
+        if (kind == POPT_ARG_STRING && *(char **)o->arg)
             status = v->visit(v, o, *(char **)o->arg);
-        else if (kind == POPT_ARG_ARGV && o->arg && *(char ***)o->arg)
+        else if (kind == POPT_ARG_ARGV && *(char ***)o->arg)
             for (char **text = *(char ***)o->arg; status == ISO_OK && *text; ++text)
                 status = v->visit(v, o, *text);
     }

@@ -6,10 +6,13 @@
 #include "options/cli.h"
 #include "tf/level_look.h"
 
-void iso_cli_roi_defaults(iso_cli_roi *r)
-{
-    *r = (iso_cli_roi){.band = iso_roi_defaults().band};
-}
+const iso_option iso_roi_rows[] = {
+    {"roi", 0, "show a finer level in this box of level-0 voxels", "X0,Y0,Z0,X1,Y1,Z1", ISO_IN(iso_cli_roi, box)},
+    {"roi-level", 0, "level inside the box (0)", "J", ISO_IN(iso_cli_roi, level)},
+    {"roi-band", 0, "blended band around the box, in voxels; 0: hard edge", "VOXELS", ISO_IN(iso_cli_roi, band),
+     .flags = ISO_SHOWN},
+    ISO_OPTIONS_END,
+};
 
 static iso_status parse_box(const char *text, double lo[3], double hi[3], iso_error *err)
 {

@@ -5,6 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+const iso_option iso_transfer_rows[] = {
+    {"name", 0, "transfer function of a file that holds several", "NAME", ISO_IN(iso_cli_transfer, name)},
+    {"unit-distance", 0, "length that the opacities are for, if the file lacks it", "MM",
+     ISO_IN(iso_cli_transfer, unit_distance)},
+    {"opacity", 0, "opacity at both ends of the range, for files of colors only", "A[,B]",
+     ISO_IN(iso_cli_transfer, opacity)},
+    {"range", 0, "replace the file's range; fit: use the volume's range", "fit|LO,HI", ISO_IN(iso_cli_transfer, range)},
+    ISO_OPTIONS_END,
+};
+
 /* Reads "A" or "A,B", numbers in [lo, hi]. Returns their count; 0 if the text is neither. */
 static int read_pair(const char *text, double lo, double hi, double values[2])
 {

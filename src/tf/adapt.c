@@ -7,7 +7,10 @@
 
 iso_adapt_options iso_adapt_defaults(void)
 {
-    return (iso_adapt_options){.weight = ISO_WEIGHT_FLAT, .average = ISO_AVERAGE_OPACITY, .bits = 8, .fall_back = true};
+    return (iso_adapt_options){.weight = ISO_WEIGHT_FLAT,
+                               .average = ISO_AVERAGE_OPACITY,
+                               .bits = ISO_ADAPT_BITS,
+                               .fall_back = true};
 }
 
 /* ---- weights -------------------------------------------------------------------- */

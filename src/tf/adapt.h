@@ -51,6 +51,7 @@ typedef enum iso_adapt_average {
     ISO_AVERAGE_COUNT
 } iso_adapt_average;
 
+enum { ISO_ADAPT_BITS = 8 }; /* of the joint histogram, by default */
 typedef struct iso_adapt_options {
     iso_adapt_weight weight;
     iso_adapt_average average;
@@ -115,7 +116,7 @@ iso_status iso_adapter_update(const iso_adapter *adapter, const iso_tf_table *tf
 typedef struct iso_adapt_judgment {
     double rms_original, rms_adapted; /* error of Eq. 6 at the voxels */
     iso_small_views_error seen_original, seen_adapted;
-    bool seen;      /* True if the small views decided; otherwise the two above are empty */
+    bool seen;         /* True if the small views decided; otherwise the two above are empty */
     double ghost;      /* of the adapted TF after Eq. 7, before entries are given back (ghost.h) */
     size_t given_back; /* entries reset to the original extinction; seen_adapted is measured after it */
     bool use_original;

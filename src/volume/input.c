@@ -8,18 +8,13 @@
 #include "volume/labels.h"
 #include "volume/unit.h"
 
-void iso_volume_input_defaults(iso_volume_input *input)
-{
-    *input = (iso_volume_input){0};
-}
-
 char *iso_volume_input_line(const iso_volume_input *in)
 {
     const struct {
         const char *option, *value;
     } words[] = {{"--raw-size", in->raw_size}, {"--raw-type", in->raw_type}, {"--raw-spacing", in->raw_spacing},
                  {"--spacing", in->spacing},   {"--unit", in->unit},         {"--series", in->series},
-                 {"--frame", in->frame},       {"--channel", in->channel}, {"--no-data", in->no_data}};
+                 {"--frame", in->frame},       {"--channel", in->channel},   {"--no-data", in->no_data}};
     char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
@@ -67,7 +62,9 @@ static iso_status parse_spacing(const char *option, const char *text, double uni
 
 static iso_status parse_hints(const iso_volume_input *in, iso_volume_hints *hints, double *unit_mm, iso_error *err)
 {
-    *hints = (iso_volume_hints){.series = in->series, .frame = in->frame, .channel = in->channel,
+    *hints = (iso_volume_hints){.series = in->series,
+                                .frame = in->frame,
+                                .channel = in->channel,
                                 .takes_first = in->takes_first};
     hints->uneven = in->resample ? ISO_UNEVEN_RESAMPLE : in->force_spacing ? ISO_UNEVEN_FORCE : ISO_UNEVEN_REFUSE;
     if (in->resample && in->force_spacing)

@@ -16,7 +16,6 @@ typedef struct iso_volume_input {
     bool takes_first; /* of several frames and channels, unless one is named: for an overview */
 } iso_volume_input;
 
-void iso_volume_input_defaults(iso_volume_input *input);
 /* Returns the given options as on a command line, each after a space; to be freed. */
 char *iso_volume_input_line(const iso_volume_input *input);
 

@@ -60,7 +60,7 @@ static iso_status draw_region(const iso_figure_job *job, iso_page *page, iso_err
 {
     shown s = {.level = job->level ? (size_t)job->level : USUAL_LEVEL};
     iso_figure_columns c = {.job = job, .count = WAYS, .compared = true, .render = render, .user = &s};
-    iso_cli_roi_defaults(&s.region);
+    s.region = (iso_cli_roi)ISO_CLI_ROI_DEFAULTS;
     s.region.box = iso_lab_figure_of(job)->region;
     for (size_t i = 0; i < WAYS; ++i)
         snprintf(c.titles[i], sizeof c.titles[i], "%s", ways[i].title);
