@@ -50,7 +50,7 @@ TEST(cache_of_16_bits_is_close)
     OWNED(iso_image) a, b = brick_reference(&f, &s.view);
     iso_gl_brick_options opt = iso_gl_brick_defaults();
     double rmse;
-    iso_node_levels_round(&s.nodes);
+    assert_ok(iso_node_levels_round(&s.nodes, 1, &err));
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
     assert_at_most(max_difference(&a, &b, &rmse), 2e-3);
     assert_at_most(rmse, 1e-4);

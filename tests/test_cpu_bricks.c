@@ -141,7 +141,7 @@ TEST(nodes_of_16_bits_are_close)
     ENDED_BY(destroy_brick_scene) brick_scene s;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
-    iso_node_levels_round(&s.nodes);
+    assert_ok(iso_node_levels_round(&s.nodes, 1, &err));
     OWNED(iso_image) truth = brick_reference(&f, &s.view);
     for (int shaded = 1; shaded >= 0; --shaded) {
         iso_cpu_brick_options opt = iso_cpu_brick_defaults();

@@ -321,8 +321,14 @@ static void a_part_has_the_picture_of_the_whole(const volume_case *of, iso_gradi
         opt.skip = (iso_cpu_skip)skip;
         opt.threads = 1 + skip;
         opt.width = skip ? ISO_CPU_ONE : ISO_CPU_WIDEST;
+        opt.once = true;
         expect_same_bits(&part, &view, opt, &image, iso_type_name(of->type));
+        expect_same_bits(&whole, &view, opt, &image, iso_type_name(of->type));
     }
+    /* Another code of the whole is seen. */
+    memset(whole.levels[0].codes, 0, 3 * iso_geometry_voxel_count(&whole.levels[0].geometry));
+    OWNED(iso_image) unlike = draw(&whole, &view, opt);
+    assert_int_equal(memcmp(image.rgba, unlike.rgba, 4 * image.width * image.height * sizeof(float)) != 0, is_lit);
     /* Another sample is seen. */
     const size_t middle = iso_geometry_voxel_count(&part.volume->geometry) / 2 + of->size[0] / 2;
     memset((char *)part.volume->data + middle * iso_type_bytes(of->type), 0, 3 * iso_type_bytes(of->type));

@@ -38,7 +38,7 @@ static void make_scene(scene *s, iso_field_kind kind, unsigned seed)
     s->random = (iso_random){seed};
     for (size_t i = 0; i < count; ++i)
         s->levels[i] = (uint8_t)iso_random_below(&s->random, LEVELS);
-    iso_brick_cull(&s->field, &s->tf, 1, s->drawn);
+    iso_brick_cull(&s->field, &s->tf, NULL, 1, s->drawn);
     for (size_t i = 0; i < count; ++i) {
         s->seen[i] = iso_random_below(&s->random, 4) > 0;
         s->drawn[i] = s->drawn[i] && s->seen[i];

@@ -37,7 +37,7 @@ static void write_plan(const fixture *f)
         levels[i] = (uint8_t)iso_random_below(&random, LEVELS);
     memset(seen, 1, count);
     const iso_brick_field field = {&n, levels, ISO_FACES_BAKED};
-    iso_brick_cull(&field, &f->tf, 1, drawn);
+    iso_brick_cull(&field, &f->tf, NULL, 1, drawn);
     json_auto_t *plan = json_pack("{s:s, s:[iii], s:i, s:i}", "schema", "isoshade.plan/1", "bricks", (int)n.count[0],
                                   (int)n.count[1], (int)n.count[2], "brick_voxels", BRICK, "level_count", LEVELS);
     json_auto_t *bricks = iso_plan_file_bricks(levels, drawn, seen, count);

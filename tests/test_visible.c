@@ -2,6 +2,7 @@
 /* test_visible.c - shares of voxels, faces and pictures with known values, and their messages. */
 #include "test.h"
 
+#include "pyramid/value_table.h"
 #include "scene/visible.h"
 
 /* A volume of 20 x 10 x 10 voxels of 2 x 1 x 1 mm: its longest side is 40 mm, its mean side 20 mm. */
@@ -206,6 +207,52 @@ TEST(pictures_are_judged_by_alpha_and_color)
         assert_false(iso_visible_complaint(&v, "the.nrrd", text, sizeof text));
         image.rgba[4 + c] = 0.2f;
     }
+}
+
+/* ---- a function of values, computed once per value ---- */
+
+static uint32_t calls;
+
+static uint32_t square_of(const void *user, double value)
+{
+    ++calls;
+    assert_ptr_equal(user, &calls);
+    return (uint32_t)(value * value);
+}
+
+/* Values that a table of integers has, and others, which a rescaled level could have. */
+TEST(a_table_has_the_results_of_the_function)
+{
+    subject s;
+    set_up(&s, 1);
+    uint64_t expected = 0;
+    for (size_t i = 0; i < COUNT; ++i) {
+        s.scalar[i] = (float)((int)(i % 301) - 100) + (i % 50 == 0 ? 0.5f : 0);
+        expected += (uint64_t)((double)s.scalar[i] * (double)s.scalar[i]);
+    }
+    s.level.stored_type = ISO_I16;
+    s.level.min = -100, s.level.max = 200.5;
+    for (int small = 1; small >= 0; --small) {
+        s.level.stored_type = small ? ISO_I16 : ISO_F32;
+        iso_value_table t = iso_value_table_create(&s.level, square_of, &calls);
+        calls = 0;
+        assert_int_equal(iso_value_table_sum(&t, 0, COUNT), expected);
+        assert_int_equal(calls, small ? COUNT / 50 : COUNT);
+        iso_value_table_destroy(&t);
+    }
+    uint8_t bytes[COUNT];
+    const iso_volume v = {.geometry = s.level.geometry, .type = ISO_U8, .data = bytes};
+    expected = 0;
+    for (size_t i = 0; i < COUNT; ++i) {
+        bytes[i] = (uint8_t)i;
+        expected += i < 7 ? 0 : (uint64_t)bytes[i] * bytes[i];
+    }
+    s.level.scalar = NULL;
+    s.level.samples = &v;
+    s.level.stored_type = ISO_U8;
+    iso_value_table t = iso_value_table_create(&s.level, square_of, &calls);
+    assert_int_equal(iso_value_table_sum(&t, 7, COUNT - 7), expected);
+    iso_value_table_destroy(&t);
 }
 
 TEST_MAIN(NULL, NULL)

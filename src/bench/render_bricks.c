@@ -136,9 +136,11 @@ iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
     iso_node_levels n;
     iso_status status = iso_node_levels_create(&n, &p->levels[0], (size_t)opt->bricks,
                                                opt->bricks < 8 ? 2 : BENCH_LEVELS, true, cli->threads, err);
-    if (status != ISO_OK)
+    TRY(status, iso_node_levels_round(&n, cli->threads, err));
+    if (status != ISO_OK) {
+        iso_node_levels_destroy(&n);
         return status;
-    iso_node_levels_round(&n);
+    }
     uint8_t *levels = malloc(iso_brick_count(&n));
     if (!levels)
         status = iso_fail(err, ISO_E_MEMORY, "no memory for %zu bricks", iso_brick_count(&n));

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/simd.h"
 #include "brick/made_bricks.h"
 #include "brick/node_box.h"
 
@@ -58,10 +59,13 @@ static bool make_box(const level_maker *m, const size_t first[3], const iso_node
                                 {iso_node_count(n, m->level - 1, 0) - 1, iso_node_count(n, m->level - 1, 1) - 1,
                                  iso_node_count(n, m->level - 1, 2) - 1}};
     const size_t *size = box->size, fine_size[3] = {2 * size[0] + 3, 2 * size[1] + 3, 2 * size[2] + 3};
+    const long fine_first[3] = {2 * (long)first[0] - 2, 2 * (long)first[1] - 2, 2 * (long)first[2] - 2};
     if (!iso_node_box_place(&fine, fine_size, m->voxels->directed, buffers, ISO_BUFFER_FINE))
         return false;
-    iso_node_box_fill(&fine, &rows,
-                      (const long[]){2 * (long)first[0] - 2, 2 * (long)first[1] - 2, 2 * (long)first[2] - 2});
+    if (n->nodes[m->level - 1])
+        iso_node_box_fill(&fine, &rows, fine_first);
+    else if (!iso_node_box_read(&fine, m->voxels, fine_first, buffers))
+        return false;
     return iso_node_box_filter(&fine, n->filter, box, buffers);
 }
 
@@ -137,22 +141,21 @@ static iso_status check(size_t brick_voxels, size_t level_count, iso_error *err)
 }
 
 /* Fills all levels. A level's moments become directions after the next coarser level has been made from them. */
-static iso_status fill_levels(iso_node_levels *n, const iso_level *level0, bool with_directions, int threads,
-                              iso_error *err)
+static iso_status fill_levels(iso_node_levels *n, const iso_node_voxels *voxels, int threads, iso_error *err)
 {
-    const iso_node_voxels voxels = iso_node_voxels_of(level0, with_directions);
+    const bool directed = voxels->directed;
     float *fine = NULL;
     iso_status status = ISO_OK;
-    for (size_t l = 0; l < n->level_count && status == ISO_OK; ++l) {
-        const level_maker m = {n, &voxels, l, fine, with_directions ? malloc(all_nodes(n, l) * sizeof *fine) : NULL};
-        if ((with_directions && !m.sums) || !make_level(&m, threads))
+    for (size_t l = n->nodes[0] ? 0 : 1; l < n->level_count && status == ISO_OK; ++l) {
+        const level_maker m = {n, voxels, l, fine, directed ? malloc(all_nodes(n, l) * sizeof *fine) : NULL};
+        if ((directed && !m.sums) || !make_level(&m, threads))
             status = iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu nodes", all_nodes(n, l));
-        if (l > 0 && with_directions)
+        if (fine)
             moments_to_directions(n->nodes[l - 1], fine, all_nodes(n, l - 1), threads);
         free(fine);
         fine = m.sums;
     }
-    if (status == ISO_OK && with_directions)
+    if (status == ISO_OK && fine)
         moments_to_directions(n->nodes[n->level_count - 1], fine, all_nodes(n, n->level_count - 1), threads);
     free(fine);
     return status;
@@ -177,17 +180,13 @@ iso_status iso_node_levels_measure(iso_node_levels *n, const iso_level *level0, 
     return status;
 }
 
-/* Sets all sizes and allocates the nodes. */
-static iso_status lay_out(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
-                          iso_error *err)
+/* Allocates the nodes of all levels from `first` on. */
+static iso_status allocate(iso_node_levels *n, size_t first, iso_error *err)
 {
-    iso_status status = iso_node_levels_measure(n, level0, brick_voxels, level_count, err);
-    for (size_t l = 0; l < level_count && status == ISO_OK; ++l)
-        if (!(n->nodes[l] = malloc(ISO_NODE_CHANNELS * all_nodes(n, l) * sizeof **n->nodes))) {
-            status = iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu nodes", all_nodes(n, l));
-            iso_node_levels_destroy(n);
-        }
-    return status;
+    for (size_t l = first; l < n->level_count; ++l)
+        if (!(n->nodes[l] = malloc(ISO_NODE_CHANNELS * all_nodes(n, l) * sizeof **n->nodes)))
+            return iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu nodes", all_nodes(n, l));
+    return ISO_OK;
 }
 
 iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
@@ -200,29 +199,73 @@ iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, s
 iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, const iso_node_options *opt,
                                      iso_error *err)
 {
-    iso_status status = lay_out(n, level0, opt->brick_voxels, opt->level_count, err);
+    const iso_node_voxels voxels = iso_node_voxels_of(level0, opt->with_directions);
+    iso_status status = iso_node_levels_measure(n, level0, opt->brick_voxels, opt->level_count, err);
     if (status != ISO_OK)
         return status;
     n->filter = opt->filter;
-    status = fill_levels(n, level0, opt->with_directions, iso_threads(opt->threads), err);
+    status = allocate(n, 0, err);
+    TRY(status, fill_levels(n, &voxels, iso_threads(opt->threads), err));
     if (status != ISO_OK)
         iso_node_levels_destroy(n);
     return status;
 }
 
-void iso_node_levels_round(iso_node_levels *n)
+/* ---- rounding --------------------------------------------------------------------- */
+
+/* Rounds the scalars of nodes to steps from `min` on, and the other channels to 1/32767. */
+ISO_SIMD static void round_nodes(double min, double step, float *restrict nodes, size_t count)
 {
-    double step = n->max > n->min ? (n->max - n->min) / 65535 : 1;
-    for (size_t l = 0; l < n->level_count; ++l) {
-        const size_t count = all_nodes(n, l);
-#pragma omp parallel for schedule(static) num_threads(iso_threads(0))
-        for (size_t i = 0; i < count; ++i) {
-            float *node = n->nodes[l] + ISO_NODE_CHANNELS * i;
-            node[0] = (float)(n->min + step * rint(((double)node[0] - n->min) / step));
-            for (int a = 1; a < ISO_NODE_CHANNELS; ++a)
-                node[a] = (float)(rint(32767 * (double)node[a]) / 32767);
-        }
+    enum { BATCH = 64 };
+    for (size_t first = 0; first < count; first += BATCH) {
+        const size_t m = count - first < BATCH ? count - first : BATCH;
+        float *batch = nodes + ISO_NODE_CHANNELS * first, scalars[BATCH];
+        for (size_t i = 0; i < m; ++i)
+            scalars[i] = (float)(min + step * rint(((double)batch[ISO_NODE_CHANNELS * i] - min) / step));
+        for (size_t i = 0; i < ISO_NODE_CHANNELS * m; ++i)
+            batch[i] = (float)(rint(32767 * (double)batch[i]) / 32767);
+        for (size_t i = 0; i < m; ++i)
+            batch[ISO_NODE_CHANNELS * i] = scalars[i];
     }
+}
+
+void iso_nodes_round(const iso_node_levels *n, float *nodes, size_t count)
+{
+    round_nodes(n->min, iso_node_step(n), nodes, count);
+}
+
+iso_status iso_node_levels_round(iso_node_levels *n, int threads, iso_error *err)
+{
+    enum { BATCH = 4096 };
+    n->is_rounded = true;
+    for (size_t l = 0; l < n->level_count; ++l) {
+        const size_t count = n->nodes[l] ? all_nodes(n, l) : 0;
+#pragma omp parallel for schedule(static) num_threads(iso_threads(threads))
+        for (size_t i = 0; i < count; i += BATCH)
+            iso_nodes_round(n, n->nodes[l] + ISO_NODE_CHANNELS * i, least(BATCH, count - i));
+    }
+    return iso_node_levels_measure_ranges(n, threads, err);
+}
+
+iso_status iso_node_levels_begin(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
+                                 int threads, iso_error *err)
+{
+    iso_status status = iso_node_levels_measure(n, level0, brick_voxels, level_count, err);
+    TRY(status, iso_made_bricks_begin(n, level0, NULL, NULL, true, err));
+    TRY(status, iso_node_levels_round(n, threads, err));
+    if (status != ISO_OK)
+        iso_node_levels_destroy(n);
+    return status;
+}
+
+iso_status iso_node_levels_complete(iso_node_levels *n, int threads, iso_error *err)
+{
+    if (n->nodes[n->level_count - 1] || n->level_count == 1)
+        return ISO_OK;
+    iso_status status = allocate(n, 1, err);
+    TRY(status, fill_levels(n, iso_made_bricks_voxels(n), iso_threads(threads), err));
+    TRY(status, iso_node_levels_round(n, threads, err));
+    return status;
 }
 
 enum { ENCODE_BATCH = 256 };
@@ -246,8 +289,10 @@ void iso_node_levels_destroy(iso_node_levels *n)
 {
     if (!n)
         return;
-    for (size_t l = 0; l < ISO_BRICK_MAX_LEVELS; ++l)
+    for (size_t l = 0; l < ISO_BRICK_MAX_LEVELS; ++l) {
         free(n->nodes[l]);
+        free(n->ranges[l]);
+    }
     iso_made_bricks_destroy(n);
     *n = (iso_node_levels){0};
 }

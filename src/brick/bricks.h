@@ -54,7 +54,15 @@ typedef struct iso_node_levels {
     float *nodes[ISO_BRICK_MAX_LEVELS];
     float **bricks;                /* owned; NULL, or each brick's nodes at its level, NULL if not made */
     struct iso_brick_maker *maker; /* owned; makes the nodes of `bricks` */
+    bool is_rounded;
+    struct iso_node_range *ranges[ISO_BRICK_MAX_LEVELS]; /* owned; NULL, or one per brick if it had this level */
 } iso_node_levels;
+
+/* Range of a brick's scalars, without nodes of coarser neighbors. inner: without the faces; least above most if nothing
+ * is left. */
+typedef struct iso_node_range {
+    float inner[2], whole[2];
+} iso_node_range;
 
 enum { ISO_BRICK_MOST_VOXELS = 64 }; /* per side */
 
@@ -70,6 +78,13 @@ typedef struct iso_node_options {
 } iso_node_options;
 iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, const iso_node_options *opt,
                                      iso_error *err);
+/* Begins rounded nodes for plans. Level 0, whose samples are borrowed, is not kept: iso_brick_make() makes its bricks.
+ * The coarser levels are missing until iso_node_levels_complete(), so that a picture of level 0 comes before they take
+ * memory. */
+iso_status iso_node_levels_begin(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
+                                 int threads, iso_error *err);
+/* Makes the missing levels, if there are any. ISO_E_MEMORY. */
+iso_status iso_node_levels_complete(iso_node_levels *n, int threads, iso_error *err);
 /* Creates the nodes for bricks of given levels, separately for each brick. Those of bricks coarser than level 0 are
  * made at once, since finer ones take their face nodes from them; the others by iso_brick_make(). Level 0 may be narrow
  * (pyramid/narrow.h). code: directions are encoded and decoded; NULL: they are not. The samples of level 0 and
@@ -90,14 +105,30 @@ void iso_brick_forget(const iso_node_levels *n, size_t brick);
 
 /* Reads `count` voxels of the row (y, z) of level 0 from x on. */
 void iso_node_levels_voxels(const iso_node_levels *n, size_t x, size_t y, size_t z, size_t count, float *restrict row);
+/* Reads a box of nodes of level 0, which may lie beyond the level: its outermost nodes are repeated. ISO_E_MEMORY. */
+iso_status iso_node_levels_read(const iso_node_levels *n, const long first[3], const size_t size[3],
+                                float *restrict nodes, iso_error *err);
+
+/* Measures the ranges of level 0 and of all levels whose nodes are there. ISO_E_MEMORY. */
+iso_status iso_node_levels_measure_ranges(iso_node_levels *n, int threads, iso_error *err);
 
 /* Rounds the nodes of all levels to the values of a 16-bit cache: scalars to 65535 steps of the range, directions to
- * 1/32767. Call it before faces are baked: fine face nodes are interpolated from rounded coarse ones. */
-void iso_node_levels_round(iso_node_levels *n);
+ * 1/32767. Call it before faces are baked: fine face nodes are interpolated from rounded coarse ones. Then measures the
+ * ranges, which are asked for many times. ISO_E_MEMORY. */
+iso_status iso_node_levels_round(iso_node_levels *n, int threads, iso_error *err);
 /* Converts to the values of such a cache: the scalar's part of the range; a component of the direction. */
 static inline double iso_node_part(const iso_node_levels *n, float scalar)
 {
     return n->max > n->min ? ((double)scalar - n->min) * (1 / (n->max - n->min)) : 0;
+}
+static inline double iso_node_step(const iso_node_levels *n)
+{
+    return n->max > n->min ? (n->max - n->min) / 65535 : 1;
+}
+/* Returns the scalar that a rounded node has. */
+static inline float iso_node_round(const iso_node_levels *n, float scalar)
+{
+    return (float)(n->min + iso_node_step(n) * rint(((double)scalar - n->min) / iso_node_step(n)));
 }
 static inline uint16_t iso_node_scalar16(const iso_node_levels *n, float scalar)
 {

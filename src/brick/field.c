@@ -38,7 +38,7 @@ iso_own_nodes iso_brick_own_nodes(const iso_brick_field *f, const size_t brick[3
 {
     const iso_node_levels *n = f->nodes;
     const size_t index = iso_brick_index(n, brick), level = f->levels[index], cells = n->brick_voxels >> level;
-    if (n->bricks) {
+    if (!n->nodes[level]) {
         assert(n->bricks[index]); /* the caller has called iso_brick_make() */
         return (iso_own_nodes){n->bricks[index], ISO_NODE_CHANNELS * (cells + 1),
                                ISO_NODE_CHANNELS * (cells + 1) * (cells + 1)};
@@ -110,42 +110,55 @@ void iso_brick_node(const iso_brick_field *f, const size_t brick[3], const size_
         out[c] = (double)value[c];
 }
 
-void iso_brick_sample_in(const iso_brick_field *f, const size_t brick[3], const double q[3],
-                         double out[ISO_NODE_CHANNELS])
+/* Weights of the eight corners of a cell, of which the first is `lo`. */
+typedef struct cell_place {
+    size_t lo[3];
+    double part[3];
+    bool inside; /* True if no corner is on a face of the brick */
+} cell_place;
+
+static cell_place place_in(const iso_brick_field *f, const size_t brick[3], const double q[3])
 {
     const iso_node_levels *n = f->nodes;
-    size_t level = f->levels[iso_brick_index(n, brick)], cells = n->brick_voxels >> level, lo[3];
+    const size_t level = f->levels[iso_brick_index(n, brick)], cells = n->brick_voxels >> level;
     const double spacing = 1 / (double)((size_t)1 << level); /* a power of two: no rounding */
-    bool own = f->faces == ISO_FACES_OWN, inside = true;
-    double part[3];
+    cell_place p = {.inside = true};
     for (int a = 0; a < 3; ++a) {
         double u = spacing * (q[a] - (double)(brick[a] * n->brick_voxels));
         u = u > 0 ? (u < (double)cells ? u : (double)cells) : 0;
-        lo[a] = least((size_t)u, cells - 1);
-        part[a] = u - (double)lo[a];
-        inside = inside && lo[a] > 0 && lo[a] + 1 < cells;
+        p.lo[a] = least((size_t)u, cells - 1);
+        p.part[a] = u - (double)p.lo[a];
+        p.inside = p.inside && p.lo[a] > 0 && p.lo[a] + 1 < cells;
     }
-    /* Coarser bricks do not affect the inside. */
-    own = own || inside;
+    return p;
+}
+
+void iso_brick_sample_in(const iso_brick_field *f, const size_t brick[3], const double q[3],
+                         double out[ISO_NODE_CHANNELS])
+{
+    const cell_place p = place_in(f, brick, q);
+    const bool own = f->faces == ISO_FACES_OWN || p.inside; /* coarser bricks do not affect the inside */
     const iso_own_nodes nodes = iso_brick_own_nodes(f, brick);
-    const float *corner = nodes.first + ISO_NODE_CHANNELS * lo[0] + lo[1] * nodes.row + lo[2] * nodes.plane;
-    memset(out, 0, ISO_NODE_CHANNELS * sizeof *out);
+    const float *corner = nodes.first + ISO_NODE_CHANNELS * p.lo[0] + p.lo[1] * nodes.row + p.lo[2] * nodes.plane;
+    double sum[ISO_NODE_CHANNELS] = {0};
     for (size_t c = 0; c < 8; ++c) {
-        const size_t node[3] = {lo[0] + (c & 1), lo[1] + (c >> 1 & 1), lo[2] + (c >> 2)};
-        double weight = 1, value[ISO_NODE_CHANNELS];
-        for (int a = 0; a < 3; ++a)
-            weight *= c >> a & 1 ? part[a] : 1 - part[a];
+        const size_t x = c & 1, y = c >> 1 & 1, z = c >> 2;
+        const double weight = (x ? p.part[0] : 1 - p.part[0]) * (y ? p.part[1] : 1 - p.part[1]) *
+                              (z ? p.part[2] : 1 - p.part[2]);
         if (weight == 0)
             continue;
-        if (own)
-            for (size_t k = 0; k < ISO_NODE_CHANNELS; ++k)
-                value[k] = (double)
-                    corner[ISO_NODE_CHANNELS * (c & 1) + (c >> 1 & 1) * nodes.row + (c >> 2) * nodes.plane + k];
-        else
-            iso_brick_node(f, brick, node, value);
+        if (own) {
+            const float *node = corner + ISO_NODE_CHANNELS * x + y * nodes.row + z * nodes.plane;
+            for (int k = 0; k < ISO_NODE_CHANNELS; ++k)
+                sum[k] += weight * (double)node[k];
+            continue;
+        }
+        double value[ISO_NODE_CHANNELS];
+        iso_brick_node(f, brick, (const size_t[3]){p.lo[0] + x, p.lo[1] + y, p.lo[2] + z}, value);
         for (int k = 0; k < ISO_NODE_CHANNELS; ++k)
-            out[k] += weight * value[k];
+            sum[k] += weight * value[k];
     }
+    memcpy(out, sum, sizeof sum);
 }
 
 void iso_brick_sample(const iso_brick_field *f, iso_vec3 index, double out[ISO_NODE_CHANNELS])

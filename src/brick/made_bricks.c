@@ -30,16 +30,24 @@ static void brick_at(const iso_node_levels *n, size_t i, size_t at[3])
     at[2] = i / (n->count[0] * n->count[1]);
 }
 
-/* Copies a brick's nodes from a box. False: no memory. */
-static bool keep_brick(const iso_node_levels *n, size_t brick, const iso_node_box *box, bool is_coded)
+/* Writes the nodes of a box. */
+static void finish(const iso_node_levels *n, const iso_node_box *box, bool is_coded, float *nodes)
 {
     const size_t count = iso_node_box_count(box);
-    float *nodes = malloc(ISO_NODE_CHANNELS * count * sizeof *nodes);
-    if (!nodes)
-        return false;
     iso_node_box_finish(box, nodes);
     if (is_coded && n->maker->has_code && n->maker->voxels.directed)
         iso_nodes_encode(n->maker->code, nodes, count);
+    if (n->is_rounded)
+        iso_nodes_round(n, nodes, count);
+}
+
+/* Copies a brick's nodes from a box. False: no memory. */
+static bool keep_brick(const iso_node_levels *n, size_t brick, const iso_node_box *box, bool is_coded)
+{
+    float *nodes = malloc(ISO_NODE_CHANNELS * iso_node_box_count(box) * sizeof *nodes);
+    if (!nodes)
+        return false;
+    finish(n, box, is_coded, nodes);
     n->bricks[brick] = nodes;
     return true;
 }
@@ -353,6 +361,24 @@ static iso_status make_coarse(const iso_node_levels *n, int threads, iso_error *
 
 /* ---- interface ---------------------------------------------------------------------- */
 
+iso_status iso_made_bricks_begin(iso_node_levels *n, const iso_level *level0, const uint8_t *levels,
+                                 const iso_code *code, bool with_directions, iso_error *err)
+{
+    n->bricks = calloc(iso_brick_count(n), sizeof *n->bricks);
+    n->maker = malloc(sizeof *n->maker);
+    if (!n->bricks || !n->maker)
+        return iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu bricks", iso_brick_count(n));
+    *n->maker = (struct iso_brick_maker){.level0 = *level0, .levels = levels, .has_code = code != NULL};
+    n->maker->code = code ? *code : n->maker->code;
+    n->maker->voxels = iso_node_voxels_of(&n->maker->level0, with_directions);
+    return ISO_OK;
+}
+
+const iso_node_voxels *iso_made_bricks_voxels(const iso_node_levels *n)
+{
+    return &n->maker->voxels;
+}
+
 iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level0, const uint8_t *levels,
                                       const iso_code *code, const iso_node_options *opt, iso_error *err)
 {
@@ -360,16 +386,8 @@ iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level
     if (status != ISO_OK)
         return status;
     n->filter = opt->filter;
-    n->bricks = calloc(iso_brick_count(n), sizeof *n->bricks);
-    n->maker = malloc(sizeof *n->maker);
-    if (n->maker) {
-        *n->maker = (struct iso_brick_maker){.level0 = *level0, .levels = levels, .has_code = code != NULL};
-        n->maker->code = code ? *code : n->maker->code;
-        n->maker->voxels = iso_node_voxels_of(&n->maker->level0, opt->with_directions);
-    }
-    status = n->bricks && n->maker
-                 ? make_coarse(n, iso_threads(opt->threads), err)
-                 : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu bricks", iso_brick_count(n));
+    status = iso_made_bricks_begin(n, level0, levels, code, opt->with_directions, err);
+    TRY(status, make_coarse(n, iso_threads(opt->threads), err));
     if (status != ISO_OK)
         iso_node_levels_destroy(n);
     return status;
@@ -466,7 +484,7 @@ void iso_passing_brick_code(const iso_passing_brick *p, float *directions, size_
 
 void iso_brick_forget(const iso_node_levels *n, size_t brick)
 {
-    if (!n->bricks || n->maker->levels[brick] > 0)
+    if (!n->bricks || (n->maker->levels && n->maker->levels[brick] > 0))
         return;
     free(n->bricks[brick]);
     n->bricks[brick] = NULL;
@@ -477,14 +495,47 @@ void iso_node_levels_voxels(const iso_node_levels *n, size_t x, size_t y, size_t
     if (n->maker) {
         const size_t *size = n->geometry.size;
         const float *from = iso_level_floats(&n->maker->level0, x + size[0] * (y + size[1] * z), count, row);
-        if (from != row)
-            memcpy(row, from, count * sizeof *row);
+        for (size_t i = 0; i < count; ++i)
+            row[i] = n->is_rounded ? iso_node_round(n, from[i]) : from[i];
         return;
     }
     const float *from = n->nodes[0] +
                         ISO_NODE_CHANNELS * (x + iso_node_count(n, 0, 0) * (y + iso_node_count(n, 0, 1) * z));
     for (size_t i = 0; i < count; ++i)
         row[i] = from[ISO_NODE_CHANNELS * i];
+}
+
+/* Makes a box of nodes. */
+static iso_status read_voxels(const iso_node_levels *n, const long first[3], const size_t size[3],
+                              float *restrict nodes, iso_error *err)
+{
+    iso_node_buffers buffers = {0};
+    iso_node_box box;
+    const bool good = iso_node_box_place(&box, size, n->maker->voxels.directed, &buffers, ISO_BUFFER_BOX) &&
+                      iso_node_box_read(&box, &n->maker->voxels, first, &buffers);
+    if (good)
+        finish(n, &box, true, nodes);
+    iso_node_buffers_destroy(&buffers);
+    return good ? ISO_OK
+                : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu x %zu x %zu nodes", size[0], size[1], size[2]);
+}
+
+iso_status iso_node_levels_read(const iso_node_levels *n, const long first[3], const size_t size[3],
+                                float *restrict nodes, iso_error *err)
+{
+    if (!n->nodes[0])
+        return read_voxels(n, first, size, nodes, err);
+    for (size_t i = 0; i < size[0] * size[1] * size[2]; ++i, nodes += ISO_NODE_CHANNELS) {
+        const size_t in[3] = {i % size[0], i / size[0] % size[1], i / (size[0] * size[1])};
+        size_t at[3];
+        for (int a = 0; a < 3; ++a) {
+            const long p = first[a] + (long)in[a], last = (long)iso_node_count(n, 0, a) - 1;
+            at[a] = (size_t)(p < 0 ? 0 : p < last ? p : last);
+        }
+        const size_t from = at[0] + iso_node_count(n, 0, 0) * (at[1] + iso_node_count(n, 0, 1) * at[2]);
+        memcpy(nodes, n->nodes[0] + ISO_NODE_CHANNELS * from, ISO_NODE_CHANNELS * sizeof *nodes);
+    }
+    return ISO_OK;
 }
 
 void iso_made_bricks_destroy(iso_node_levels *n)

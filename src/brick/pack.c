@@ -151,15 +151,37 @@ static bool on_face(size_t side, size_t x, size_t y, size_t z)
     return x == 0 || y == 0 || z == 0 || x + 1 == side || y + 1 == side || z + 1 == side;
 }
 
-void iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float *restrict out)
+/* Copies the nodes of the brick's own level, or makes them. */
+static iso_status put_own(const iso_brick_field *f, const size_t brick[3], size_t side, float *restrict out,
+                          iso_error *err)
+{
+    const iso_node_levels *n = f->nodes;
+    const size_t i = iso_brick_index(n, brick), voxels = n->brick_voxels;
+    if (!n->nodes[f->levels[i]] && !n->bricks[i])
+        return iso_node_levels_read(n,
+                                    (const long[3]){(long)(voxels * brick[0]), (long)(voxels * brick[1]),
+                                                    (long)(voxels * brick[2])},
+                                    (const size_t[3]){side, side, side}, out, err);
+    for (size_t z = 0; z < side; ++z)
+        for (size_t y = 0; y < side; ++y)
+            memcpy(out + ISO_NODE_CHANNELS * side * (y + side * z), iso_brick_own_row(f, brick, y, z),
+                   ISO_NODE_CHANNELS * side * sizeof *out);
+    return ISO_OK;
+}
+
+iso_status iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float *restrict out, iso_error *err)
 {
     const size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
-    bool foreign[ISO_BRICK_PARTS];
+    bool foreign[ISO_BRICK_PARTS], any = false;
+    const iso_status status = put_own(f, brick, side, out, err);
     iso_brick_foreign_parts(f, brick, foreign);
+    for (size_t i = 0; i < ISO_BRICK_PARTS; ++i)
+        any = any || foreign[i];
+    if (status != ISO_OK || !any)
+        return status;
     for (size_t z = 0; z < side; ++z)
         for (size_t y = 0; y < side; ++y) {
             float *row = out + ISO_NODE_CHANNELS * side * (y + side * z);
-            memcpy(row, iso_brick_own_row(f, brick, y, z), ISO_NODE_CHANNELS * side * sizeof *row);
             for (size_t x = 0; x < side; x += on_face(side, 1, y, z) ? 1 : side - 1) {
                 double value[ISO_NODE_CHANNELS];
                 if (!foreign[iso_brick_part(side, x, y, z)])
@@ -169,46 +191,37 @@ void iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float *rest
                     row[ISO_NODE_CHANNELS * x + c] = (float)value[c];
             }
         }
+    return ISO_OK;
 }
 
-/* Range of each channel; the scalar alone would take the same time. */
-typedef struct node_range {
-    float lowest[ISO_NODE_CHANNELS], highest[ISO_NODE_CHANNELS];
-} node_range;
-
-static node_range empty_range(void)
+static iso_node_range range_of_nodes(const iso_brick_field *f, const size_t brick[3])
 {
-    node_range r;
-    for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
-        r.lowest[c] = INFINITY, r.highest[c] = -INFINITY;
+    const size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
+    iso_node_range r = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}};
+    for (size_t z = 0; z < side; ++z)
+        for (size_t y = 0; y < side; ++y) {
+            const float *row = iso_brick_own_row(f, brick, y, z);
+            for (size_t x = 0; x < side; ++x) {
+                const float value = row[ISO_NODE_CHANNELS * x];
+                r.whole[0] = fminf(r.whole[0], value);
+                r.whole[1] = fmaxf(r.whole[1], value);
+                r.inner[0] = on_face(side, x, y, z) ? r.inner[0] : fminf(r.inner[0], value);
+                r.inner[1] = on_face(side, x, y, z) ? r.inner[1] : fmaxf(r.inner[1], value);
+            }
+        }
     return r;
 }
 
-static void widen(node_range *r, const float *restrict row, size_t count)
+/* Returns the range of a brick's own nodes, measured before if possible. */
+static iso_node_range range_of(const iso_brick_field *f, const size_t brick[3])
 {
-    for (size_t i = 0; i < count; ++i, row += ISO_NODE_CHANNELS)
-        for (size_t c = 0; c < ISO_NODE_CHANNELS; ++c) {
-            r->lowest[c] = row[c] < r->lowest[c] ? row[c] : r->lowest[c]; /* fminf() is a call */
-            r->highest[c] = row[c] > r->highest[c] ? row[c] : r->highest[c];
-        }
-}
-
-/* Widens the range by the nodes of the brick's own level, without the outermost `border` of them. */
-static void widen_by_own(node_range *r, const iso_brick_field *f, const size_t brick[3], size_t border)
-{
-    const size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
-    for (size_t z = border; z + border < side; ++z)
-        for (size_t y = border; y + border < side; ++y)
-            widen(r, iso_brick_own_row(f, brick, y, z) + ISO_NODE_CHANNELS * border, side - 2 * border);
-}
-
-static bool range_shows(const node_range *r, const iso_tf_table *tf)
-{
-    return iso_tf_shows(tf, (double)r->lowest[0], (double)r->highest[0]);
+    const size_t i = iso_brick_index(f->nodes, brick);
+    const iso_node_range *ranges = f->nodes->ranges[f->levels[i]];
+    return ranges ? ranges[i] : range_of_nodes(f, brick);
 }
 
 /* Widens the range by all nodes of coarser neighbors that the brick's face nodes may be interpolated from. */
-static void widen_by_coarser(node_range *r, const iso_brick_field *f, const size_t brick[3])
+static void widen_by_coarser(float range[2], const iso_brick_field *f, const size_t brick[3])
 {
     const iso_node_levels *n = f->nodes;
     const uint8_t level = f->levels[iso_brick_index(n, brick)];
@@ -220,50 +233,59 @@ static void widen_by_coarser(node_range *r, const iso_brick_field *f, const size
             at[a] = brick[a] + step[a] - 1; /* below 0 wraps around to a large index */
             there = there && at[a] < n->count[a];
         }
-        if (there && f->levels[iso_brick_index(n, at)] > level)
-            widen_by_own(r, f, at, 0);
+        if (!there || f->levels[iso_brick_index(n, at)] <= level)
+            continue;
+        const iso_node_range coarser = range_of(f, at);
+        range[0] = fminf(range[0], coarser.whole[0]);
+        range[1] = fmaxf(range[1], coarser.whole[1]);
     }
 }
 
-static bool baked_shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3])
+/* Bakes the scalars of the faces alone. Without memory the brick counts as visible. */
+static bool baked_shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3], const float inner[2])
 {
-    const size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
-    double min = INFINITY, max = -INFINITY;
-    for (size_t i = 0; i < side * side * side; ++i) {
-        double value[ISO_NODE_CHANNELS];
-        iso_brick_node(f, brick, (const size_t[3]){i % side, i / side % side, i / (side * side)}, value);
-        min = fmin(min, value[0]);
-        max = fmax(max, value[0]);
+    const iso_node_levels *n = f->nodes;
+    const size_t i = iso_brick_index(n, brick), side = iso_brick_side(n, f->levels[i]);
+    const bool is_missing = !n->nodes[f->levels[i]] && !n->bricks[i];
+    bool shows = is_missing && iso_brick_make(n, i, ISO_BRICK_SCALARS, NULL) != ISO_OK;
+    double min = (double)inner[0], max = (double)inner[1];
+    for (size_t z = 0; z < side && !shows; ++z) {
+        for (size_t y = 0; y < side; ++y)
+            for (size_t x = 0; x < side; x += on_face(side, 1, y, z) ? 1 : side - 1) {
+                double value[ISO_NODE_CHANNELS];
+                iso_brick_node(f, brick, (const size_t[3]){x, y, z}, value);
+                min = value[0] < min ? value[0] : min;
+                max = value[0] > max ? value[0] : max;
+            }
+        shows = iso_tf_shows(tf, min, max);
     }
-    return iso_tf_shows(tf, min, max);
+    if (is_missing)
+        iso_brick_forget(n, i);
+    return shows;
 }
 
 /* True if any value in the brick is visible; all values lie between those of its nodes. For most bricks the inner
  * nodes, or a wider range for the faces, decide it without baking. */
 bool iso_brick_shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3])
 {
-    node_range r = empty_range();
-    if (!iso_brick_has_foreign_nodes(f, brick)) {
-        widen_by_own(&r, f, brick, 0);
-        return range_shows(&r, tf);
-    }
-    widen_by_own(&r, f, brick, 1);
-    if (r.lowest[0] <= r.highest[0] && range_shows(&r, tf))
+    const iso_node_range own = range_of(f, brick);
+    float wide[2] = {own.whole[0], own.whole[1]};
+    if (!iso_brick_has_foreign_nodes(f, brick))
+        return iso_tf_shows(tf, (double)wide[0], (double)wide[1]);
+    if (own.inner[0] <= own.inner[1] && iso_tf_shows(tf, (double)own.inner[0], (double)own.inner[1]))
         return true;
-    widen_by_own(&r, f, brick, 0);
-    widen_by_coarser(&r, f, brick);
-    return range_shows(&r, tf) && baked_shows(f, tf, brick);
+    widen_by_coarser(wide, f, brick);
+    return iso_tf_shows(tf, (double)wide[0], (double)wide[1]) && baked_shows(f, tf, brick, own.inner);
 }
 
-double iso_brick_cull(const iso_brick_field *f, const iso_tf_table *tf, int threads, uint8_t *restrict visible)
+void iso_brick_cull(const iso_brick_field *f, const iso_tf_table *tf, const uint8_t *wanted, int threads,
+                    uint8_t *restrict visible)
 {
     const iso_node_levels *n = f->nodes;
-    size_t count = iso_brick_count(n), shown = 0;
-#pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads)) reduction(+ : shown)
+    const size_t count = iso_brick_count(n);
+#pragma omp parallel for schedule(dynamic, 16) num_threads(iso_threads(threads))
     for (size_t i = 0; i < count; ++i) {
         const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
-        visible[i] = iso_brick_shows(f, tf, brick);
-        shown += visible[i];
+        visible[i] = (!wanted || wanted[i]) && iso_brick_shows(f, tf, brick);
     }
-    return (double)shown / (double)count;
 }

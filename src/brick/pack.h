@@ -54,12 +54,15 @@ size_t iso_brick_pack_slots(const iso_node_levels *n, const uint8_t *levels, con
 /* Returns the texels of all pages of the cache that these levels need. */
 size_t iso_brick_pack_texels(const iso_node_levels *n, const uint8_t *levels, const uint8_t *visible, size_t max_side);
 
-/* Computes all nodes of a brick in the field: iso_brick_side()^3 nodes of ISO_NODE_CHANNELS, x fastest. */
-void iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float *restrict out);
+/* Computes all nodes of a brick in the field: iso_brick_side()^3 nodes of ISO_NODE_CHANNELS, x fastest. Makes missing
+ * own nodes. ISO_E_MEMORY. */
+iso_status iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float *restrict out, iso_error *err);
 
 /* True if the TF shows anything in the range of a brick's baked values. */
 bool iso_brick_shows(const iso_brick_field *f, const iso_tf_table *tf, const size_t brick[3]);
-/* Sets visible[b] for all bricks by the range of their baked values; returns the share of visible bricks. */
-double iso_brick_cull(const iso_brick_field *f, const iso_tf_table *tf, int threads, uint8_t *restrict visible);
+/* Sets visible[b] for all bricks by the range of their baked values. wanted: one byte per brick, 0 leaves it out; or
+ * NULL. */
+void iso_brick_cull(const iso_brick_field *f, const iso_tf_table *tf, const uint8_t *wanted, int threads,
+                    uint8_t *restrict visible);
 
 #endif

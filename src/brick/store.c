@@ -79,10 +79,9 @@ iso_status iso_brick_store_update(iso_brick_store *store, const iso_brick_field 
         coordinates(f->nodes, i, brick);
         if (!store->bricks[i])
             store->bricks[i] = malloc(bytes_of(f->nodes, f->levels[i]));
-        if (store->bricks[i])
-            iso_brick_bake(f, brick, store->bricks[i]);
-        done += store->bricks[i] != NULL;
-        failed += store->bricks[i] == NULL;
+        const bool good = store->bricks[i] && iso_brick_bake(f, brick, store->bricks[i], NULL) == ISO_OK;
+        done += good;
+        failed += !good;
     }
     if (status == ISO_OK && failed)
         status = iso_fail(err, ISO_E_MEMORY, "bricks: no memory for the nodes of %d bricks", failed);

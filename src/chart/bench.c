@@ -209,8 +209,7 @@ static iso_status need_plan(iso_chart_bench *b, const iso_chart_case *c, iso_err
     if (!b->nodes.nodes[0]) {
         status = iso_node_levels_create(&b->nodes, &b->first.levels[0], ISO_CHART_BRICK_VOXELS,
                                         ISO_CHART_BRICK_LEVELS, true, b->threads, err);
-        if (status == ISO_OK)
-            iso_node_levels_round(&b->nodes);
+        TRY(status, iso_node_levels_round(&b->nodes, b->threads, err));
     }
     const iso_progress silent = {0};
     return status == ISO_OK ? iso_plan_create(&s->plan, &b->nodes, &s->view, 1, b->threads, &silent, err) : status;

@@ -155,8 +155,8 @@ static iso_status report(const iso_planner *p, const plan_arguments *a, const pl
     return status;
 }
 
-static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, const iso_node_levels *nodes,
-                             const iso_view *views, size_t view_count, iso_error *err)
+static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, iso_node_levels *nodes, const iso_view *views,
+                             size_t view_count, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
     const iso_brick_faces faces = a->faces && strcmp(a->faces, "own") == 0 ? ISO_FACES_OWN : ISO_FACES_BAKED;
@@ -211,17 +211,14 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     iso_status status = check(a, err);
     TRY(status, iso_cli_look_take(&a->look, cli->threads, &look, err));
     TRY(status, iso_planner_check_views(&look, err));
-    TRY(status, iso_subject_load_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err));
+    TRY(status, iso_subject_begin_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err));
     TRY(status, iso_subject_refuse_labels(&pyramid, cli->arguments[0], "a plan", err));
     TRY(status, iso_planner_load_views(&look, (size_t)a->views, &pyramid, &views, &view_count, err));
     if (status == ISO_OK)
         warn_of_views(cli, &pyramid, views, view_count);
-    TRY(status, iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)a->brick, (size_t)a->levels, true,
-                                       cli->threads, err));
-    if (status == ISO_OK) {
-        iso_node_levels_round(&nodes);
-        status = plan_views(a, cli, &nodes, views, view_count, err);
-    }
+    TRY(status,
+        iso_node_levels_begin(&nodes, &pyramid.levels[0], (size_t)a->brick, (size_t)a->levels, cli->threads, err));
+    TRY(status, plan_views(a, cli, &nodes, views, view_count, err));
     iso_node_levels_destroy(&nodes);
     iso_planner_destroy_views(views, view_count);
     iso_pyramid_destroy(&pyramid);

@@ -169,6 +169,7 @@ static iso_status draw_one(sheet *s, size_t tf, size_t view, const iso_view *v, 
     iso_progress silent = {0};
     iso_image image = {0};
     opt.threads = s->arguments->cli->threads;
+    opt.once = true;
     iso_renderers_choose(&s->pyramid, v, &opt);
     const size_t level = level_for(&s->pyramid, v);
     const iso_render_request request = {&s->renderers, &s->pyramid, level, v, &opt, &silent};

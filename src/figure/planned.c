@@ -154,11 +154,10 @@ static iso_status make_plan(shown *s, double error, iso_error *err)
     TRY(status,
         iso_scene_resolve(&s->subject.scene, &s->subject.pyramid.levels[0].geometry,
                           iso_pyramid_lo(&s->subject.pyramid), iso_pyramid_hi(&s->subject.pyramid), &s->view, err));
-    TRY(status, iso_node_levels_create(&s->nodes, &s->subject.pyramid.levels[0], BRICK_VOXELS, s->level_count, true,
-                                       job->cli->threads, err));
+    TRY(status, iso_node_levels_begin(&s->nodes, &s->subject.pyramid.levels[0], BRICK_VOXELS, s->level_count,
+                                      job->cli->threads, err));
     if (status != ISO_OK)
         return status;
-    iso_node_levels_round(&s->nodes);
     status = iso_planner_create(&s->planner, &s->nodes,
                                 &(iso_planner_options){&s->view, 1, ISO_FACES_BAKED, job->cli->threads}, &progress,
                                 err);

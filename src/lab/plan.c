@@ -137,7 +137,7 @@ static iso_status measure_bake(bench_state *s, iso_error *err)
 }
 
 /* Writes a plan and reads it again, as a user does with two commands. */
-static iso_status make_plan(bench_state *s, const iso_node_levels *nodes, const iso_progress *progress, iso_error *err)
+static iso_status make_plan(bench_state *s, iso_node_levels *nodes, const iso_progress *progress, iso_error *err)
 {
     const iso_planner_options opt = {s->views, 1, ISO_FACES_BAKED, s->bench->cli->threads};
     iso_status status = iso_planner_create(&s->planner, nodes, &opt, progress, err);
@@ -246,7 +246,7 @@ static void report(const bench_state *s)
 
 /* ---- the command ------------------------------------------------------------------- */
 
-static iso_status run_all(bench_state *s, const iso_node_levels *nodes, iso_error *err)
+static iso_status run_all(bench_state *s, iso_node_levels *nodes, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(s->bench->cli);
     s->folder = iso_make_temp_dir();
@@ -287,10 +287,8 @@ static iso_status bench(const plan_bench *b, iso_error *err)
         status = iso_fail(err, ISO_E_USAGE, "isoshade-lab plan: needs exactly one scene");
     TRY(status, iso_node_levels_create(&nodes, &pyramid.levels[0], (size_t)b->brick, (size_t)b->levels, true,
                                        b->cli->threads, err));
-    if (status == ISO_OK) {
-        iso_node_levels_round(&nodes);
-        status = run_all(&s, &nodes, err);
-    }
+    TRY(status, iso_node_levels_round(&nodes, b->cli->threads, err));
+    TRY(status, run_all(&s, &nodes, err));
     iso_node_levels_destroy(&nodes);
     iso_planner_destroy_views(s.views, view_count);
     iso_pyramid_destroy(&pyramid);

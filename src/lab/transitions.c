@@ -354,9 +354,11 @@ static iso_status measure_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyram
         return status;
     status = iso_node_levels_create(&n, &p->levels[0], side, opt->render.bricks < 8 ? 2 : BENCH_LEVELS, true,
                                     cli->threads, err);
-    if (status != ISO_OK)
+    TRY(status, iso_node_levels_round(&n, cli->threads, err));
+    if (status != ISO_OK) {
+        iso_node_levels_destroy(&n);
         return status;
-    iso_node_levels_round(&n);
+    }
     status = iso_warp_field_of_level(&fields.centers, &p->levels[0], p->options.code, side, err);
     size_t count[3] = {iso_warp_bricks(&fields.centers, 0), iso_warp_bricks(&fields.centers, 1),
                        iso_warp_bricks(&fields.centers, 2)};

@@ -42,7 +42,7 @@ static size_t count_nodes(const cache *c)
 static double bytes_of(cache *c)
 {
     const iso_brick_field field = {.nodes = c->nodes, .levels = c->plan->levels, .faces = ISO_FACES_BAKED};
-    iso_brick_cull(&field, &c->view->tf, c->opt->threads, c->visible);
+    iso_brick_cull(&field, &c->view->tf, NULL, c->opt->threads, c->visible);
     for (size_t i = 0; i < c->plan->brick_count; ++i)
         c->visible[i] = c->visible[i] && c->plan->footprints[i] > 0;
     if (!c->gl)
@@ -172,12 +172,9 @@ iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view
     if (opt->report)
         *opt->report = (iso_cached_report){0};
     *image = (iso_image){0};
-    iso_status status = iso_node_levels_create(&nodes, level0, opt->brick_voxels, opt->level_count, true, opt->threads,
-                                               err);
-    if (status != ISO_OK)
-        return status;
-    iso_node_levels_round(&nodes);
-    status = iso_plan_create(&plan, &nodes, view, 1, opt->threads, progress, err);
+    iso_status status = iso_node_levels_begin(&nodes, level0, opt->brick_voxels, opt->level_count, opt->threads, err);
+    TRY(status, iso_node_levels_complete(&nodes, opt->threads, err));
+    TRY(status, iso_plan_create(&plan, &nodes, view, 1, opt->threads, progress, err));
     TRY(status, iso_cached_render_nodes(gl, &nodes, &plan, view, opt, image, err));
     iso_plan_destroy(&plan);
     iso_node_levels_destroy(&nodes);

@@ -88,22 +88,35 @@ static double largest_difference(const double a[4], const double b[4])
     return worst;
 }
 
-/* Reads the node of level 0 at p, moved outwards by one if it lies on a face of the brick. False inside the brick and
- * at the volume's end. */
-static bool node_beyond(const iso_node_levels *n, const size_t brick[3], const size_t local[3],
+/* Nodes of level 0: those of a brick and one more on all sides. */
+typedef struct fine_box {
+    size_t side; /* of the box */
+    float *nodes;
+} fine_box;
+
+static const float *fine_node(const fine_box *f, const size_t local[3], int axis, int step)
+{
+    size_t at[3] = {local[0] + 1, local[1] + 1, local[2] + 1};
+    at[axis] += (size_t)step; /* -1 wraps around */
+    return f->nodes + ISO_NODE_CHANNELS * (at[0] + f->side * (at[1] + f->side * at[2]));
+}
+
+/* Reads the node of level 0, moved outwards by one if it lies on a face of the brick. False inside the brick and at the
+ * volume's end. */
+static bool node_beyond(const iso_node_levels *n, const fine_box *f, const size_t brick[3], const size_t local[3],
                         double value[ISO_NODE_CHANNELS])
 {
-    size_t p[3], size[3];
+    size_t at[3];
     bool moved = false;
     for (int a = 0; a < 3; ++a) {
-        size[a] = n->count[a] * n->brick_voxels + 1;
-        p[a] = brick[a] * n->brick_voxels + local[a];
-        bool below = local[a] == 0 && p[a] > 0, above = local[a] == n->brick_voxels && p[a] + 1 < size[a];
-        p[a] = below ? p[a] - 1 : above ? p[a] + 1 : p[a];
+        const bool below = local[a] == 0 && brick[a] > 0,
+                   above = local[a] == n->brick_voxels && brick[a] + 1 < n->count[a];
+        at[a] = local[a] + above - below; /* -1 wraps around */
         moved = moved || below || above;
     }
+    const float *node = fine_node(f, at, 0, 0);
     for (size_t c = 0; c < ISO_NODE_CHANNELS; ++c)
-        value[c] = (double)n->nodes[0][ISO_NODE_CHANNELS * (p[0] + size[0] * (p[1] + size[1] * p[2])) + c];
+        value[c] = (double)node[c];
     return moved;
 }
 
@@ -111,34 +124,52 @@ static bool node_beyond(const iso_node_levels *n, const size_t brick[3], const s
  * to the brick's next node. */
 enum { AT_NODE, BEYOND_FACE, TO_NEXT, PLACES };
 
-/* Moves q one node along an axis; the axes take turns by node. False at the brick's end. */
-static bool next_node(const iso_node_levels *n, const size_t local[3], double q[3])
+/* Returns the axis of the way to the next node; the axes take turns by node. */
+static int axis_to_next(const size_t local[3])
 {
-    const size_t axis = (local[0] + local[1] + local[2]) % 3;
-    q[axis] += 1;
-    return local[axis] < n->brick_voxels;
+    return (int)((local[0] + local[1] + local[2]) % 3);
+}
+
+/* Samples the brick at its level at a node of level 0, moved by `step` along an axis. */
+static void sample_node(const iso_brick_field *f, const fine_box *box, const size_t brick[3], const size_t local[3],
+                        int axis, int step, double node[ISO_NODE_CHANNELS])
+{
+    const iso_node_levels *n = f->nodes;
+    double q[3];
+    if (f->levels[iso_brick_index(n, brick)] == 0) {
+        const float *at = fine_node(box, local, axis, step);
+        for (int c = 0; c < ISO_NODE_CHANNELS; ++c)
+            node[c] = (double)at[c];
+        return;
+    }
+    for (int a = 0; a < 3; ++a)
+        q[a] = (double)(brick[a] * n->brick_voxels + local[a]);
+    q[axis] += step;
+    iso_brick_sample_in(f, brick, q, node);
 }
 
 /* Adds the errors of one node at every level. Places are the node, on a face half-way to the next brick's node (the
  * face belongs to that cell, too), and the way to the next node if the error there is larger. Returns true if level 0
  * shows anything there. */
-static bool add_errors(const estimator *e, const iso_brick_field *f, uint8_t *level, const size_t brick[3],
-                       const size_t local[3], double *sum)
+static bool add_errors(const estimator *e, const iso_brick_field *f, const fine_box *box, uint8_t *level,
+                       const size_t brick[3], const size_t local[3], double *sum)
 {
     const iso_node_levels *n = e->nodes;
-    double q[3], to[3], exact[PLACES][4], beyond[ISO_NODE_CHANNELS];
-    bool looked_at[PLACES] = {[AT_NODE] = true, [BEYOND_FACE] = node_beyond(n, brick, local, beyond)}, shows = false;
-    for (int a = 0; a < 3; ++a)
-        to[a] = q[a] = (double)(brick[a] * n->brick_voxels + local[a]);
-    looked_at[TO_NEXT] = next_node(n, local, to);
+    const int axis = axis_to_next(local);
+    double exact[PLACES][4] = {{0}}, beyond[ISO_NODE_CHANNELS];
+    const bool looked_at[PLACES] = {[AT_NODE] = true,
+                                    [BEYOND_FACE] = node_beyond(n, box, brick, local, beyond),
+                                    [TO_NEXT] = local[axis] < n->brick_voxels};
+    bool shows = false;
     for (size_t l = 0; l < n->level_count; ++l) {
         double node[ISO_NODE_CHANNELS], next[ISO_NODE_CHANNELS], entry[PLACES][4], error[PLACES] = {0};
         *level = (uint8_t)l;
-        iso_brick_sample_in(f, brick, q, node);
+        sample_node(f, box, brick, local, axis, 0, node);
         iso_tf_lookup(&e->view->tf, node[0], entry[AT_NODE]);
-        iso_tf_lookup(&e->view->tf, 0.5 * (node[0] + beyond[0]), entry[BEYOND_FACE]);
+        if (looked_at[BEYOND_FACE])
+            iso_tf_lookup(&e->view->tf, 0.5 * (node[0] + beyond[0]), entry[BEYOND_FACE]);
         if (looked_at[TO_NEXT]) {
-            iso_brick_sample_in(f, brick, to, next);
+            sample_node(f, box, brick, local, axis, 1, next);
             mean_entry(e, node[0], next[0], entry[TO_NEXT]);
         }
         for (int place = 0; place < PLACES; ++place) {
@@ -160,7 +191,7 @@ static bool add_errors(const estimator *e, const iso_brick_field *f, uint8_t *le
 
 /* Looks at a quarter of the nodes, in a lattice that no plane and no row evades, although a single voxel may. So if
  * nothing visible is found, the next quarter is looked at as well. */
-static void estimate_brick(const estimator *e, uint8_t *levels, size_t index, float *errors)
+static iso_status estimate_brick(const estimator *e, uint8_t *levels, size_t index, float *room, float *errors)
 {
     enum { QUARTERS = 4 };
     const iso_node_levels *n = e->nodes;
@@ -171,22 +202,53 @@ static void estimate_brick(const estimator *e, uint8_t *levels, size_t index, fl
     double sum[ISO_BRICK_MAX_LEVELS] = {0};
     size_t count = 0, side = n->brick_voxels;
     bool shows = false;
+    long first[3];
+    for (int a = 0; a < 3; ++a)
+        first[a] = (long)(brick[a] * side) - 1;
+    const fine_box box = {side + 3, room};
+    const iso_status status = iso_node_levels_read(n, first, (const size_t[3]){side + 3, side + 3, side + 3}, room,
+                                                   NULL);
+    if (status != ISO_OK)
+        return status;
     for (size_t quarter = 0; quarter < QUARTERS && !shows; ++quarter)
         for (size_t z = 0; z <= side; ++z)
             for (size_t y = 0; y <= side; ++y)
                 for (size_t x = (y + 2 * z + quarter) % QUARTERS; x <= side; x += QUARTERS, ++count)
-                    shows |= add_errors(e, &f, &levels[index], brick, (const size_t[3]){x, y, z}, sum);
+                    shows |= add_errors(e, &f, &box, &levels[index], brick, (const size_t[3]){x, y, z}, sum);
     /* A mean over the brick, times the voxels of a ray through it; no pixel is wrong by more than 1. */
     for (size_t l = 0; l < n->level_count; ++l)
         errors[l] = (float)fmin(1, sum[l] / (double)count * (double)side);
     levels[index] = 0;
+    return ISO_OK;
+}
+
+/* Samples the scalar of level 0 at index coordinates, clamped to the volume's nodes. */
+static double scalar_at(const iso_node_levels *n, iso_vec3 index)
+{
+    const double p[3] = {index.x - 0.5, index.y - 0.5, index.z - 0.5};
+    size_t lo[3], count[3];
+    double part[3], sum = 0;
+    for (int a = 0; a < 3; ++a) {
+        const double last = (double)(n->geometry.size[a] - 1), q = p[a] > 0 ? (p[a] < last ? p[a] : last) : 0;
+        lo[a] = (size_t)q;
+        part[a] = q - (double)lo[a];
+        count[a] = part[a] > 0 ? 2 : 1;
+    }
+    for (size_t z = 0; z < count[2]; ++z)
+        for (size_t y = 0; y < count[1]; ++y) {
+            float row[2];
+            iso_node_levels_voxels(n, lo[0], lo[1] + y, lo[2] + z, count[0], row);
+            for (size_t x = 0; x < count[0]; ++x)
+                sum += (x ? part[0] : 1 - part[0]) * (y ? part[1] : 1 - part[1]) * (z ? part[2] : 1 - part[2]) *
+                       (double)row[x];
+        }
+    return sum;
 }
 
 /* Adds T^2 once to each brick that a ray through the finest level enters, where T is the transmittance there. */
-static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray *ray, const uint8_t *shown,
+static void trace(const iso_node_levels *n, const iso_view *view, const iso_ray *ray, const uint8_t *shown,
                   double *seen)
 {
-    const iso_node_levels *n = f->nodes;
     double t0, t1, step = iso_geometry_min_spacing_mm(&n->geometry), transmittance = 1;
     size_t last = SIZE_MAX;
     if (!iso_view_ray(view, ray, &n->geometry, &t0, &t1))
@@ -194,7 +256,7 @@ static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray 
     for (double t = t0 + 0.5 * step; t < t1 && transmittance >= ISO_PLAN_HIDDEN; t += step) {
         iso_vec3 p = iso_geometry_to_index(&n->geometry, iso_madd(ray->origin, ray->direction, t));
         const double index[3] = {p.x - 0.5, p.y - 0.5, p.z - 0.5};
-        double node[ISO_NODE_CHANNELS], entry[4];
+        double entry[4];
         size_t brick[3];
         for (int a = 0; a < 3; ++a) {
             double b = floor(index[a] / (double)n->brick_voxels), end = (double)(n->count[a] - 1);
@@ -206,8 +268,7 @@ static void trace(const iso_brick_field *f, const iso_view *view, const iso_ray 
         last = here;
         if (!shown[here])
             continue;
-        iso_brick_sample(f, p, node);
-        iso_tf_lookup(&view->tf, node[0], entry);
+        iso_tf_lookup(&view->tf, scalar_at(n, p), entry);
         transmittance *= exp(-entry[3] * step);
     }
 }
@@ -218,7 +279,6 @@ static iso_status find_footprints(const iso_plan *plan, const iso_node_levels *n
                                   const uint8_t *shown, int threads, float *footprints, iso_error *err)
 {
     size_t larger = view->width > view->height ? view->width : view->height, stride = (larger + 255) / 256;
-    const iso_brick_field finest = {.nodes = n, .levels = plan->levels, .faces = ISO_FACES_OWN};
     size_t columns = (view->width + stride - 1) / stride, rows = (view->height + stride - 1) / stride;
     double *seen = calloc(plan->brick_count * rows, sizeof *seen);
     if (!seen)
@@ -230,7 +290,7 @@ static iso_status find_footprints(const iso_plan *plan, const iso_node_levels *n
             iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height,
                                          x < view->width ? x : view->width - 1,
                                          y < view->height ? y : view->height - 1);
-            trace(&finest, view, &ray, shown, seen + row * plan->brick_count);
+            trace(n, view, &ray, shown, seen + row * plan->brick_count);
         }
     /* Row by row and then in order: the sum does not depend on threads. */
     for (size_t i = 0; i < plan->brick_count; ++i) {
@@ -243,12 +303,37 @@ static iso_status find_footprints(const iso_plan *plan, const iso_node_levels *n
     return ISO_OK;
 }
 
+/* Adds the errors of the bricks that a view sees. */
+static iso_status add_errors_of_view(iso_plan *plan, const estimator *e, const float *footprints, const uint8_t *shown,
+                                     int threads, iso_error *err)
+{
+    const size_t side = e->nodes->brick_voxels + 3, levels = plan->level_count;
+    bool failed = false;
+#pragma omp parallel num_threads(iso_threads(threads)) reduction(|| : failed)
+    {
+        float *room = malloc(ISO_NODE_CHANNELS * side * side * side * sizeof *room);
+#pragma omp for schedule(dynamic)
+        for (size_t i = 0; i < plan->brick_count; ++i) {
+            float errors[ISO_BRICK_MAX_LEVELS] = {0};
+            plan->footprints[i] += footprints[i];
+            if (footprints[i] <= 0 || !shown[i])
+                continue;
+            plan->shown[i] = 1;
+            failed = failed || !room || estimate_brick(e, plan->levels, i, room, errors) != ISO_OK;
+            for (size_t l = 0; l < levels; ++l)
+                plan->squares[i * levels + l] += footprints[i] * errors[l] * errors[l];
+        }
+        free(room);
+    }
+    return failed ? iso_fail(err, ISO_E_MEMORY, "plan: no memory for a brick of %zu nodes per side", side) : ISO_OK;
+}
+
 /* Adds what one view sees. */
 static iso_status add_view(iso_plan *plan, const iso_node_levels *n, const iso_view *view, uint8_t *shown,
                            float *footprints, int threads, iso_error *err)
 {
     const iso_brick_field finest = {.nodes = n, .levels = plan->levels, .faces = ISO_FACES_OWN};
-    iso_brick_cull(&finest, &view->tf, threads, shown);
+    iso_brick_cull(&finest, &view->tf, NULL, threads, shown);
     iso_status status = find_footprints(plan, n, view, shown, threads, footprints, err);
     if (status != ISO_OK)
         return status;
@@ -256,20 +341,10 @@ static iso_status add_view(iso_plan *plan, const iso_node_levels *n, const iso_v
     if (!integral)
         return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu entries of a transfer function", view->tf.count);
     const estimator e = {n, view, (const double(*)[4])integral, iso_geometry_mean_spacing_mm(&n->geometry)};
-#pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads))
-    for (size_t i = 0; i < plan->brick_count; ++i) {
-        float errors[ISO_BRICK_MAX_LEVELS] = {0};
-        plan->footprints[i] += footprints[i];
-        if (footprints[i] <= 0 || !shown[i])
-            continue;
-        plan->shown[i] = 1;
-        estimate_brick(&e, plan->levels, i, errors);
-        for (size_t l = 0; l < n->level_count; ++l)
-            plan->squares[i * n->level_count + l] += footprints[i] * errors[l] * errors[l];
-    }
+    status = add_errors_of_view(plan, &e, footprints, shown, threads, err);
     free(integral);
     plan->pixel_count += (double)(view->width * view->height);
-    return ISO_OK;
+    return status;
 }
 
 iso_status iso_plan_create(iso_plan *plan, const iso_node_levels *n, const iso_view *views, size_t view_count,

@@ -8,7 +8,6 @@
 #include "base/inputs.h"
 #include "base/json.h"
 #include "base/parallel.h"
-#include "base/simd.h"
 #include "brick/occupancy.h"
 #include "brick/pack.h"
 
@@ -97,67 +96,15 @@ static iso_brick_field field_of(const iso_planned *p)
     return (iso_brick_field){.nodes = &p->nodes, .levels = p->plan.levels, .faces = ISO_FACES_BAKED};
 }
 
-/* Widens the ranges along a row by those of its voxels. */
-ISO_SIMD static void widen(const float *restrict row, size_t count, float *restrict least, float *restrict most)
-{
-    for (size_t x = 0; x < count; ++x) {
-        least[x] = row[x] < least[x] ? row[x] : least[x];
-        most[x] = row[x] > most[x] ? row[x] : most[x];
-    }
-}
-
-/* Finds the range of the voxels of each brick (., by, bz): two numbers each. columns: space for three rows. */
-static void row_ranges(const iso_node_levels *n, size_t by, size_t bz, float *columns, float *ranges)
-{
-    const size_t *size = n->geometry.size, side = n->brick_voxels;
-    const size_t end_y = (by + 1) * side < size[1] ? (by + 1) * side + 1 : size[1];
-    const size_t end_z = (bz + 1) * side < size[2] ? (bz + 1) * side + 1 : size[2];
-    float *row = columns, *least = columns + size[0], *most = columns + 2 * size[0];
-    for (size_t x = 0; x < size[0]; ++x)
-        least[x] = INFINITY, most[x] = -INFINITY;
-    for (size_t z = bz * side; z < end_z; ++z)
-        for (size_t y = by * side; y < end_y; ++y) {
-            iso_node_levels_voxels(n, 0, y, z, size[0], row);
-            widen(row, size[0], least, most);
-        }
-    for (size_t bx = 0; bx < n->count[0]; ++bx) {
-        float *range = ranges + 2 * iso_brick_index(n, (const size_t[]){bx, by, bz});
-        range[0] = INFINITY, range[1] = -INFINITY;
-        for (size_t x = bx * side; x <= (bx + 1) * side && x < size[0]; ++x) {
-            range[0] = fminf(range[0], least[x]);
-            range[1] = fmaxf(range[1], most[x]);
-        }
-    }
-}
-
-/* Returns the range of each brick, two numbers, to be freed. NULL: no memory. */
-static float *find_ranges(const iso_node_levels *n, int threads)
-{
-    float *ranges = malloc(2 * iso_brick_count(n) * sizeof *ranges);
-    bool failed = !ranges;
-#pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads)) reduction(|| : failed)
-    for (size_t i = 0; i < n->count[1] * n->count[2]; ++i) {
-        float *columns = ranges ? malloc(3 * n->geometry.size[0] * sizeof *columns) : NULL;
-        failed = failed || !columns;
-        if (columns)
-            row_ranges(n, i % n->count[1], i / n->count[1], columns, ranges);
-        free(columns);
-    }
-    if (failed) {
-        free(ranges);
-        ranges = NULL;
-    }
-    return ranges;
-}
-
 /* True if the transfer function shows a brick that the plan hides. Voxel ranges decide most bricks without building
  * nodes. */
-static bool is_wrong(const iso_planned *p, const iso_tf_table *tf, size_t i, const float *ranges)
+static bool is_wrong(const iso_planned *p, const iso_tf_table *tf, size_t i)
 {
     const iso_brick_field field = field_of(p);
+    const float *range = p->nodes.ranges[0][i].whole;
     const size_t *count = p->nodes.count, brick[3] = {i % count[0], i / count[0] % count[1], i / (count[0] * count[1])};
     if (!p->plan.seen[i] || p->plan.drawn[i] ||
-        (p->plan.levels[i] == 0 && !iso_tf_shows(tf, (double)ranges[2 * i], (double)ranges[2 * i + 1])))
+        (p->plan.levels[i] == 0 && !iso_tf_shows(tf, (double)range[0], (double)range[1])))
         return false;
     const bool shows = iso_brick_make(&p->nodes, i, ISO_BRICK_SCALARS, NULL) == ISO_OK &&
                        iso_brick_shows(&field, tf, brick);
@@ -171,14 +118,10 @@ static iso_status check_match(const char *path, const iso_planned *p, int thread
 {
     const size_t count = iso_brick_count(&p->nodes);
     size_t wrong = 0, drawn = 0;
-    float *ranges = find_ranges(&p->nodes, threads);
-    if (!ranges)
-        return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
     for (size_t t = 0; t < p->tf_count; ++t)
 #pragma omp parallel for schedule(dynamic, 16) num_threads(iso_threads(threads)) reduction(+ : wrong)
         for (size_t i = 0; i < count; ++i)
-            wrong += is_wrong(p, &p->tfs[t], i, ranges);
-    free(ranges);
+            wrong += is_wrong(p, &p->tfs[t], i);
     for (size_t i = 0; i < count; ++i)
         drawn += p->plan.drawn[i];
     if (100 * wrong > drawn)
@@ -213,7 +156,9 @@ iso_status iso_planned_create(const char *path, const iso_planned_subject *subje
     if (status == ISO_OK) {
         const iso_node_options opt = {p->plan.brick_voxels, p->plan.level_count, ISO_NODES_SHARP, true, threads};
         status = iso_node_levels_create_for(&p->nodes, subject->level0, p->plan.levels, &subject->code, &opt, err);
+        TRY(status, iso_node_levels_measure_ranges(&p->nodes, threads, err));
     }
+    TRY(status, iso_node_levels_measure_ranges(&p->nodes, threads, err));
     TRY(status, check_match(path, p, threads, err));
     p->build_seconds = iso_clock_seconds() - start;
     if (status != ISO_OK)

@@ -111,11 +111,11 @@ iso_status iso_planner_draw(const iso_planner *p, const uint8_t *levels, const u
                  : iso_cpu_render_bricks(&field, view, &cpu, image, err);
 }
 
-static iso_status render_levels(iso_planner *p, const uint8_t *levels, bool everything, size_t view, iso_image *image,
-                                iso_error *err)
+static iso_status render_levels(iso_planner *p, const uint8_t *levels, const uint8_t *wanted, size_t view,
+                                iso_image *image, iso_error *err)
 {
     ++p->render_count;
-    return iso_planner_draw(p, levels, everything ? NULL : p->wanted, &p->views[view], image, err);
+    return iso_planner_draw(p, levels, wanted, &p->views[view], image, err);
 }
 
 /* Measures the error of an image in which nothing is drawn. */
@@ -129,13 +129,13 @@ static iso_status measure_blank(const iso_image *full, const iso_view *view, dou
     for (size_t i = 0; i < full->width * full->height; ++i)
         for (size_t c = 0; c < 4; ++c)
             blank.rgba[4 * i + c] = c < 3 ? (float)view->background[c] : 0;
-    status = iso_metrics_measure(&blank, full, &measured, err);
+    status = iso_metrics_measure_differences(&blank, full, &measured, err);
     *rmse = fmin(*rmse, measured.rmse);
     iso_image_destroy(&blank);
     return status;
 }
 
-iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, const iso_planner_options *opt,
+iso_status iso_planner_create(iso_planner *p, iso_node_levels *nodes, const iso_planner_options *opt,
                               const iso_progress *progress, iso_error *err)
 {
     const iso_view *views = opt->views;
@@ -148,19 +148,20 @@ iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, cons
                        .threads = opt->threads};
     size_t count = iso_brick_count(nodes), side = iso_brick_side(nodes, 0);
     p->full_node_count = count * side * side * side;
-    p->wanted = malloc(count);
+    p->wanted = calloc(count, 1);
     p->full = calloc(view_count, sizeof *p->full);
     iso_status status = p->wanted && p->full ? ISO_OK
                                              : iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
     if (status == ISO_OK && !iso_gl_is_software())
         status = iso_gl_create(&p->gl, NULL, err);
+    for (size_t v = 0; status == ISO_OK && v < view_count; ++v) {
+        status = render_levels(p, p->wanted, NULL, v, &p->full[v], err); /* all 0: the levels of all bricks */
+        TRY(status, measure_blank(&p->full[v], &views[v], &p->blank_rmse, err));
+    }
+    TRY(status, iso_node_levels_complete(nodes, opt->threads, err));
     TRY(status, iso_plan_create(&p->plan, nodes, views, view_count, opt->threads, progress, err));
     for (size_t i = 0; status == ISO_OK && i < count; ++i)
         p->wanted[i] = p->plan.footprints[i] > 0;
-    for (size_t v = 0; status == ISO_OK && v < view_count; ++v) { /* levels are still all 0 */
-        status = render_levels(p, p->plan.levels, true, v, &p->full[v], err);
-        TRY(status, measure_blank(&p->full[v], &views[v], &p->blank_rmse, err));
-    }
     if (status != ISO_OK)
         iso_planner_destroy(p);
     return status;
@@ -199,9 +200,9 @@ static iso_status count_drawn(const iso_planner *p, iso_plan_trial *t, iso_error
         if (before && before->count == tf->count && before->lo == tf->lo && before->hi == tf->hi &&
             memcmp(before->entries, tf->entries, 4 * tf->count * sizeof *tf->entries) == 0)
             continue; /* the same scene from another side */
-        iso_brick_cull(&field, tf, 0, visible);
+        iso_brick_cull(&field, tf, p->wanted, p->threads, visible);
         for (size_t i = 0; i < count; ++i)
-            t->drawn[i] = t->drawn[i] || (visible[i] && p->wanted[i]);
+            t->drawn[i] = t->drawn[i] || visible[i];
     }
     for (size_t i = 0; i < count; ++i) {
         size_t side = iso_brick_side(p->nodes, t->levels[i]);
@@ -229,8 +230,8 @@ static iso_status try_levels(iso_planner *p, double predicted_rmse, double limit
     for (size_t v = 0; v < p->view_count && status == ISO_OK && t->measured.rmse <= limit; ++v) {
         iso_image image = {0};
         iso_metrics measured;
-        status = render_levels(p, t->levels, false, v, &image, err);
-        TRY(status, iso_metrics_measure(&image, &p->full[v], &measured, err));
+        status = render_levels(p, t->levels, t->drawn, v, &image, err);
+        TRY(status, iso_metrics_measure_differences(&image, &p->full[v], &measured, err));
         if (status == ISO_OK && (v == 0 || measured.rmse > t->measured.rmse))
             t->measured = measured;
         if (v == 0)

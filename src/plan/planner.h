@@ -42,8 +42,9 @@ typedef struct iso_planner_options {
     iso_brick_faces faces;
     int threads; /* 0: all */
 } iso_planner_options;
-/* Creates a planner, which keeps the views and nodes and does not copy them. */
-iso_status iso_planner_create(iso_planner *p, const iso_node_levels *nodes, const iso_planner_options *opt,
+/* Creates a planner, which keeps the views and nodes and does not copy them. Nodes that were only begun are completed
+ * after the pictures of level 0. */
+iso_status iso_planner_create(iso_planner *p, iso_node_levels *nodes, const iso_planner_options *opt,
                               const iso_progress *progress, iso_error *err);
 /* Finds the least model with a measured RMSE of at most `error` in every view, if memory is 0; ISO_E_RANGE: none.
  * Otherwise finds the model of the least RMSE within `memory` bytes. ISO_E_RANGE with the needed size if these are too

@@ -19,8 +19,12 @@ static bool is_kept(const iso_node_levels *n, const iso_view *view, size_t i)
 double iso_brick_visible(const iso_brick_field *f, const iso_view *view, const iso_tf_table *tf, const uint8_t *wanted,
                          int threads, uint8_t *restrict visible)
 {
-    const double shown = iso_brick_cull(f, tf, threads, visible);
-    for (size_t i = 0; i < iso_brick_count(f->nodes); ++i)
-        visible[i] = visible[i] && (!wanted || wanted[i]) && is_kept(f->nodes, view, i);
-    return shown;
+    const size_t count = iso_brick_count(f->nodes);
+    size_t shown = 0;
+    iso_brick_cull(f, tf, wanted, threads, visible);
+    for (size_t i = 0; i < count; ++i) {
+        visible[i] = visible[i] && is_kept(f->nodes, view, i);
+        shown += visible[i];
+    }
+    return (double)shown / (double)count;
 }

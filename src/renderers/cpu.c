@@ -34,6 +34,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     o.source = opt->source;
     o.step_voxels = opt->step_voxels;
     o.threads = opt->threads;
+    o.once = opt->once;
     iso_status status = iso_cpu_prepare(&scene, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o,
                                         err);
     TRY(status, iso_image_create(image, q->view->width, q->view->height, err));

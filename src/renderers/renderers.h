@@ -60,6 +60,7 @@ typedef struct iso_render_options {
 #undef ISO_FRAME_FIELD
     size_t repeats;          /* frames to draw, of which the last is the image ... */
     double repeat_seconds;   /* ... until they have taken this long; above 0 a warm-up frame goes first */
+    bool once;               /* True for a picture whose data nobody measures: they are made as rays need them */
     bool processor_time;     /* stats: processor time of the frame over all cores instead of wall time */
     iso_render_stats *stats; /* filled; or NULL */
     int threads;

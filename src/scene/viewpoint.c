@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
-#include "pyramid/narrow.h"
+#include "pyramid/value_table.h"
 
 static const struct {
     const char *name, *summary;
@@ -142,23 +142,37 @@ static size_t stride_of(const iso_geometry *g)
     return stride;
 }
 
+typedef struct summed {
+    const iso_tf_table *tf;
+    double length_mm;
+} summed;
+
+/* Returns the opacity of a voxel in 65535ths. */
+static uint32_t opacity_of(const void *user, double value)
+{
+    const summed *s = user;
+    double rgbs[4];
+    iso_tf_lookup(s->tf, value, rgbs);
+    return rgbs[3] > 0 ? (uint32_t)(65535 * -expm1(-rgbs[3] * s->length_mm)) : 0;
+}
+
 /* Sums opacities of voxels in 65535ths along x for each (y, z) and along y for each (x, z): integers, so that the sums
  * do not depend on the number of threads. */
 static void sum_opacities(const iso_level *l, const iso_tf_table *tf, int threads, uint64_t *of_y, uint64_t *of_x)
 {
     const size_t stride = stride_of(&l->geometry);
     const size_t nx = l->geometry.size[0], ny = l->geometry.size[1], nz = l->geometry.size[2];
-    const double length = iso_geometry_mean_spacing_mm(&l->geometry);
+    const summed of = {tf, iso_geometry_mean_spacing_mm(&l->geometry)};
+    iso_value_table table = iso_value_table_create(l, opacity_of, &of);
 #pragma omp parallel for schedule(static) num_threads(iso_threads(threads))
     for (size_t z = 0; z < nz; z += stride)
         for (size_t y = 0; y < ny; y += stride)
             for (size_t x = 0; x < nx; x += stride) {
-                double rgbs[4];
-                iso_tf_lookup(tf, iso_level_value(l, (z * ny + y) * nx + x), rgbs);
-                const uint64_t opacity = rgbs[3] > 0 ? (uint64_t)(65535 * -expm1(-rgbs[3] * length)) : 0;
+                const uint64_t opacity = iso_value_table_at(&table, (float)iso_level_value(l, (z * ny + y) * nx + x));
                 of_y[z * ny + y] += opacity;
                 of_x[z * nx + x] += opacity;
             }
+    iso_value_table_destroy(&table);
 }
 
 /* Computes the range of planes without those at the ends with up to a thousandth of the sum. */

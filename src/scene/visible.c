@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
-#include "pyramid/narrow.h"
+#include "pyramid/value_table.h"
 #include "tf/color_space.h"
 
 static const double one_step = 1.0 / 255;
@@ -36,59 +36,20 @@ static void box_sides_mm(const iso_geometry *g, double *longest, double *mean)
     }
 }
 
-/* Counts samples of 8 or 16 bits, with one lookup per value; bytes of is_seen go by the sample's bits. */
-static size_t count_small(const iso_volume *v, size_t first, size_t count, const uint8_t *is_seen)
+static uint32_t counts_one(const void *seen, double value)
 {
-    size_t seen = 0;
-    if (iso_type_bytes(v->type) == 1) {
-        const uint8_t *at = (const uint8_t *)v->data + first;
-        for (size_t i = 0; i < count; ++i)
-            seen += is_seen[at[i]];
-    } else {
-        const uint16_t *at = (const uint16_t *)v->data + first;
-        for (size_t i = 0; i < count; ++i)
-            seen += is_seen[at[i]];
-    }
-    return seen;
-}
-
-/* Creates the table of count_small(); NULL: the level has none of these samples, or no memory. */
-static uint8_t *small_values(const iso_level *l, const threshold *seen)
-{
-    const iso_volume *v = l->scalar ? NULL : l->samples;
-    if (!v || iso_type_bytes(v->type) > 2)
-        return NULL;
-    const bool is_byte = iso_type_bytes(v->type) == 1, is_signed = v->type == ISO_I8 || v->type == ISO_I16;
-    const int count = is_byte ? 256 : 65536;
-    uint8_t *is_seen = malloc((size_t)count);
-    for (int i = 0; is_seen && i < count; ++i)
-        is_seen[i] = counts(seen, is_signed && i >= count / 2 ? i - count : i);
-    return is_seen;
-}
-
-static size_t count_values(const iso_level *l, size_t first, size_t count, const threshold *t)
-{
-    enum { BLOCK = 1024 };
-    float room[BLOCK];
-    size_t seen = 0;
-    for (size_t at = 0; at < count; at += BLOCK) {
-        const size_t n = count - at < BLOCK ? count - at : BLOCK;
-        const float *values = iso_level_floats(l, first + at, n, room);
-        for (size_t i = 0; i < n; ++i)
-            seen += counts(t, (double)values[i]);
-    }
-    return seen;
+    return counts(seen, value);
 }
 
 static double visible_voxels(const iso_level *l, const threshold *seen, int threads)
 {
     const size_t slice = l->geometry.size[0] * l->geometry.size[1], slices = l->geometry.size[2];
-    uint8_t *is_seen = small_values(l, seen);
+    iso_value_table t = iso_value_table_create(l, counts_one, seen);
     size_t count = 0;
 #pragma omp parallel for schedule(static) num_threads(iso_threads(threads)) reduction(+ : count)
     for (size_t z = 0; z < slices; ++z)
-        count += is_seen ? count_small(l->samples, z * slice, slice, is_seen) : count_values(l, z * slice, slice, seen);
-    free(is_seen);
+        count += iso_value_table_sum(&t, z * slice, slice);
+    iso_value_table_destroy(&t);
     return (double)count / (double)(slice * slices);
 }
 

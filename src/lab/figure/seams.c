@@ -63,10 +63,8 @@ static iso_status draw_seams(const iso_figure_job *job, iso_page *page, iso_erro
     TRY(status, iso_subject_refuse_labels(&b.subject.pyramid, job->input, "--kind seams", err));
     TRY(status, iso_node_levels_create(&b.nodes, &b.subject.pyramid.levels[0], BRICK_VOXELS, level_count, true,
                                        job->cli->threads, err));
-    if (status == ISO_OK) {
-        iso_node_levels_round(&b.nodes);
-        status = alternate(&b, level_count, err);
-    }
+    TRY(status, iso_node_levels_round(&b.nodes, job->cli->threads, err));
+    TRY(status, alternate(&b, level_count, err));
     TRY(status, iso_gl_create(&b.gl, NULL, err));
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);

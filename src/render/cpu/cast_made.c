@@ -9,7 +9,7 @@
 /* A brick is made under the lock of its bench, with the bench's memory. */
 typedef struct bench {
     pthread_mutex_t lock;
-    iso_box_codes *codes; /* NULL without light */
+    iso_box_codes *codes; /* NULL without light, and if the level has codes */
     float scalars[ISO_CAST_VOXELS];
     uint8_t bytes[3 * ISO_CAST_VOXELS];
 } bench;
@@ -54,6 +54,15 @@ static void read_scalars(const iso_level *level, const iso_cast_box *box, float 
         }
 }
 
+static void read_codes(const iso_level *level, const iso_cast_box *box, uint8_t *out)
+{
+    const size_t *n = level->geometry.size, bytes = 3 * box->count[0];
+    for (size_t z = 0; z < box->count[2]; ++z)
+        for (size_t y = 0; y < box->count[1]; ++y, out += bytes)
+            memcpy(out, level->codes + 3 * (box->first[0] + n[0] * (box->first[1] + y + n[1] * (box->first[2] + z))),
+                   bytes);
+}
+
 static int32_t make_brick(iso_cast_maker *m, int32_t brick)
 {
     bench *b = &m->benches[(size_t)brick % m->bench_count];
@@ -65,7 +74,9 @@ static int32_t make_brick(iso_cast_maker *m, int32_t brick)
         const int32_t page = __atomic_fetch_add(&m->next, 1, __ATOMIC_RELAXED);
         assert((size_t)page < m->capacity);
         read_scalars(m->level, &box, b->scalars);
-        if (b->codes)
+        if (m->is_lit && m->level->codes)
+            read_codes(m->level, &box, b->bytes);
+        else if (b->codes)
             iso_box_codes_make(b->codes, box.first, box.count, b->bytes);
         iso_cast_pool_fill(&m->pool, &m->scalars, m->is_signed, size, &box, b->scalars, b->bytes, (size_t)page);
         slot = page * ISO_CAST_VOXELS;
@@ -77,8 +88,9 @@ static int32_t make_brick(iso_cast_maker *m, int32_t brick)
 
 static iso_status create_benches(iso_cast_maker *m, iso_code code, int threads, iso_error *err)
 {
+    const bool makes_codes = m->is_lit && !m->level->codes;
     double scale = 1;
-    iso_status status = m->is_lit ? iso_level_gradient_scale(m->level, &scale, err) : ISO_OK;
+    iso_status status = makes_codes ? iso_level_gradient_scale(m->level, &scale, err) : ISO_OK;
     const size_t count = 4 * (size_t)threads; /* more than threads: two rarely want the same */
     m->benches = status == ISO_OK ? calloc(count, sizeof *m->benches) : NULL;
     if (status == ISO_OK && !m->benches)
@@ -86,7 +98,7 @@ static iso_status create_benches(iso_cast_maker *m, iso_code code, int threads, 
     while (status == ISO_OK && m->bench_count < count) {
         bench *b = &m->benches[m->bench_count++];
         pthread_mutex_init(&b->lock, NULL);
-        if (m->is_lit)
+        if (makes_codes)
             status = iso_box_codes_create(m->level, code, scale, ISO_CAST_ROW, &b->codes, err);
     }
     return status;

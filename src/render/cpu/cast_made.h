@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* cast_made.h - bricks that are made from a volume's samples when a ray looks into them; private to src/render/cpu.
+/* cast_made.h - bricks that are made when a ray looks into them; private to src/render/cpu.
  *
- *     samples of the file's type  --bricks that rays look into-->  pool  -->  rays
+ *     samples of the file's type, or a level  --bricks that rays look into-->  pool  -->  rays
  *
  * For one picture: bricks that the transfer function or an opaque part hides have neither directions nor memory. The
  * bricks have the same bits as those of a whole level, and so has the picture. */
@@ -13,7 +13,7 @@
 typedef struct iso_cast_maker iso_cast_maker;
 
 typedef struct iso_cast_made {
-    const iso_level *level; /* with `samples`; it must outlive the maker */
+    const iso_level *level; /* it must outlive the maker */
     iso_code code;
     iso_cast_scalars scalars;
     const iso_cast_blocks *blocks; /* rays look only into the visible ones; NULL: into all */

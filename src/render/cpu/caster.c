@@ -243,9 +243,14 @@ static iso_status set_bytes(iso_cpu_scene *s, const iso_cast_grid *grid, const u
 }
 
 /* Checks a level whose bricks are made from its samples: directions are its codes. */
+static bool can_make_bricks(const iso_view *view, const iso_cpu_options *opt)
+{
+    return (opt->source == ISO_FROM_CODES || !iso_view_is_lit(view)) && !view->tf_2d && !view->extinction_scale;
+}
+
 static iso_status check_samples(const iso_view *view, const iso_cpu_options *opt, iso_error *err)
 {
-    return (opt->source == ISO_FROM_CODES || !iso_view_is_lit(view)) && !view->tf_2d && !view->extinction_scale
+    return can_make_bricks(view, opt)
                ? ISO_OK
                : iso_fail(err, ISO_E_RANGE,
                           "cpu: other directions than codes, 2D transfer functions and scales of extinction need a "
@@ -345,6 +350,12 @@ iso_status iso_cast_use_blocks(iso_cpu_scene *s, const iso_geometry *g, const is
     return status == ISO_OK ? owned : status;
 }
 
+/* True if bricks are made on demand: there is nothing else, or it takes less time. */
+static bool makes_bricks(const iso_level *level, const iso_view *view, const iso_cpu_options *opt)
+{
+    return !level->scalar || (opt->once && !level->labels && can_make_bricks(view, opt));
+}
+
 /* Finds empty space, and sets bricks that are made on demand. */
 static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, iso_code code, const iso_view *view,
                              const iso_cpu_options *opt, iso_error *err)
@@ -356,7 +367,7 @@ static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, iso_code 
     if (status == ISO_OK && looks)
         status = iso_cast_blocks_create(&blocks, level, view->tf_2d ? &envelope : &view->tf, s->threads, err);
     const bool skips = looks && (opt->skip == ISO_CPU_SKIP_ALWAYS || blocks.occupied <= ISO_CPU_SKIP_OCCUPIED);
-    if (status == ISO_OK && !level->scalar)
+    if (status == ISO_OK && makes_bricks(level, view, opt))
         status = iso_cast_make_on_demand(
             &s->maker, &s->cast,
             &(iso_cast_made){level, code, iso_cast_scalars_of(level), skips ? &blocks : NULL, s->threads}, err);
@@ -404,7 +415,8 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
     s->cast.labels = level->labels;
     s->cast.has_integers = scalars.are_integers;
     set_gradient(&s->cast, level, unit);
-    status = level->scalar ? set_level(s, &grid, level, code, view, opt, err) : check_samples(view, opt, err);
+    status = makes_bricks(level, view, opt) ? check_samples(view, opt, err)
+                                            : set_level(s, &grid, level, code, view, opt, err);
     TRY(status, iso_cast_own_tf(s, view, level->min, unit, err));
     TRY(status, set_blocks(s, level, code, view, opt, err));
     return status;

@@ -35,6 +35,7 @@ typedef struct iso_cpu_options {
     iso_cpu_skip skip;
     iso_cpu_width width;
     int threads;
+    bool once; /* True for a scene that is drawn once: bricks are made when rays need them, if that is possible */
 } iso_cpu_options;
 iso_cpu_options iso_cpu_defaults(void);
 

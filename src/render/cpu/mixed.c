@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/simd.h"
 #include "brick/occupancy.h"
 #include "brick/pack.h"
 #include "render/brick_visible.h"
@@ -88,32 +89,51 @@ static size_t bytes_a_node(const mixed *m)
     return (m->is_lit ? ISO_NODE_CHANNELS : 1) * (size_t)m->opt->node_bits / 8;
 }
 
+/* Converts all channels of nodes as if they were components of directions. */
+ISO_SIMD static void directions_to_16(const float *restrict nodes, size_t count, uint16_t *restrict out)
+{
+    for (size_t i = 0; i < ISO_NODE_CHANNELS * count; ++i) {
+        const float above = nodes[i] > -1 ? nodes[i] : -1, inside = above < 1 ? above : 1;
+        out[i] = (uint16_t)(int16_t)rintf(32767 * inside);
+    }
+}
+
 /* Turns baked nodes into the stored form. The scalars are changed to their stored values. */
-static void keep_nodes(const mixed *m, size_t first, size_t count, float *baked)
+static void keep_small(const mixed *m, size_t first, size_t count, float *baked)
 {
     const iso_node_levels *n = m->field->nodes;
-    const bool is_lit = m->is_lit, is_small = m->opt->node_bits == 16;
-    const size_t channels = is_lit ? ISO_NODE_CHANNELS : 1, at = channels * first;
-    uint16_t *small = (uint16_t *)m->nodes + (is_small ? at : 0);
-    float *large = (float *)m->nodes + (is_small ? 0 : at);
+    const size_t channels = m->is_lit ? ISO_NODE_CHANNELS : 1;
+    uint16_t *out = (uint16_t *)m->nodes + channels * first;
+    if (m->is_lit) /* three components, then the scalar: one place earlier than in a node */
+        directions_to_16(baked + 1, count - 1, out);
+    const size_t last = ISO_NODE_CHANNELS * (count - 1);
+    for (size_t a = 0; m->is_lit && a < 3; ++a)
+        out[last + a] = (uint16_t)iso_node_direction16(baked[last + 1 + a]);
     for (size_t i = 0; i < count; ++i) {
-        float *node = baked + ISO_NODE_CHANNELS * i;
-        const size_t scalar = channels * i + channels - 1;
-        const uint16_t scalar16 = iso_node_scalar16(n, node[0]);
-        const float part = (float)iso_node_part(n, node[0]);
-        for (size_t a = 0; a + 1 < channels; ++a) {
-            if (is_small)
-                small[channels * i + a] = (uint16_t)iso_node_direction16(node[1 + a]);
-            else
-                large[channels * i + a] = node[1 + a];
-        }
-        if (is_small)
-            small[scalar] = scalar16;
-        else
-            large[scalar] = part;
-        if (is_small)
-            node[0] = (float)(n->min + (n->max - n->min) * scalar16 / 65535);
+        float *scalar = baked + ISO_NODE_CHANNELS * i;
+        const uint16_t kept = iso_node_scalar16(n, *scalar);
+        out[channels * i + channels - 1] = kept;
+        *scalar = (float)(n->min + (n->max - n->min) * kept / 65535);
     }
+}
+
+static void keep_large(const mixed *m, size_t first, size_t count, const float *baked)
+{
+    const size_t channels = m->is_lit ? ISO_NODE_CHANNELS : 1;
+    float *out = (float *)m->nodes + channels * first;
+    for (size_t i = 0; i < count; ++i, out += channels) {
+        const float *node = baked + ISO_NODE_CHANNELS * i;
+        memcpy(out, node + 1, (channels - 1) * sizeof *out);
+        out[channels - 1] = (float)iso_node_part(m->field->nodes, node[0]);
+    }
+}
+
+static void keep_nodes(const mixed *m, size_t first, size_t count, float *baked)
+{
+    if (m->opt->node_bits == 16)
+        keep_small(m, first, count, baked);
+    else
+        keep_large(m, first, count, baked);
 }
 
 /* ---- empty space ---- */
@@ -134,15 +154,32 @@ static uint32_t bit_of(const size_t cell[3])
     return (uint32_t)1 << ((cell[0] & 3) + ((cell[1] & 3) << 2) + ((cell[2] & 1) << 4));
 }
 
-static void show_cell(const iso_cast_blocks *b, const size_t cell[3])
+/* Cells of one word, to be marked at once: a word is shared by several bricks, thus threads. */
+typedef struct cell_marks {
+    size_t word;
+    uint32_t bits;
+} cell_marks;
+
+static void flush_marks(const iso_cast_blocks *b, cell_marks *marks)
 {
-    uint32_t *word = b->cells + word_of(b, cell);
+    uint32_t *word = b->cells + marks->word;
+    if (marks->bits != 0)
 #pragma omp atomic
-    *word |= bit_of(cell);
+        *word |= marks->bits;
+    marks->bits = 0;
+}
+
+static void show_cell(const iso_cast_blocks *b, const size_t cell[3], cell_marks *marks)
+{
+    const size_t word = word_of(b, cell);
+    if (word != marks->word)
+        flush_marks(b, marks);
+    marks->word = word;
+    marks->bits |= bit_of(cell);
 }
 
 /* Marks the cells of level 0 within a brick's cell `at`, clipped at the end of the volume. */
-static void show_cells(const mixed *m, const size_t brick[3], const size_t at[3], size_t level)
+static void show_cells(const mixed *m, const size_t brick[3], const size_t at[3], size_t level, cell_marks *marks)
 {
     const iso_node_levels *n = m->field->nodes;
     const int32_t *last = m->scene->cast.last_cell;
@@ -155,12 +192,14 @@ static void show_cells(const mixed *m, const size_t brick[3], const size_t at[3]
     for (size_t z = from[2]; z < to[2]; ++z)
         for (size_t y = from[1]; y < to[1]; ++y)
             for (size_t x = from[0]; x < to[0]; ++x)
-                show_cell(&m->blocks, (const size_t[3]){x + ISO_CAST_OUTER, y + ISO_CAST_OUTER, z + ISO_CAST_OUTER});
+                show_cell(&m->blocks, (const size_t[3]){x + ISO_CAST_OUTER, y + ISO_CAST_OUTER, z + ISO_CAST_OUTER},
+                          marks);
 }
 
 static void show_brick(const mixed *m, size_t i, const float *baked)
 {
     const iso_node_levels *n = m->field->nodes;
+    cell_marks marks = {0};
     size_t brick[3];
     coordinates(n, i, brick);
     const size_t level = m->field->levels[i], side = iso_brick_side(n, level), row = ISO_NODE_CHANNELS * side;
@@ -175,8 +214,9 @@ static void show_brick(const mixed *m, size_t i, const float *baked)
                     max = v > max ? v : max;
                 }
                 if (iso_tf_shown_in(&m->shown, (double)min, (double)max))
-                    show_cells(m, brick, (const size_t[3]){x, y, z}, level);
+                    show_cells(m, brick, (const size_t[3]){x, y, z}, level, &marks);
             }
+    flush_marks(&m->blocks, &marks);
 }
 
 /* Marks the layers of outer cells, whose positions are clamped to the outermost nodes: cells before the first node and
@@ -185,6 +225,7 @@ static void show_outer_cells(const mixed *m)
 {
     const int32_t *last = m->scene->cast.last_cell;
     const iso_cast_blocks *b = &m->blocks;
+    cell_marks marks = {0};
     size_t from[3], to[3];
     for (int a = 0; a < 3; ++a) {
         from[a] = ISO_CAST_OUTER;
@@ -199,10 +240,11 @@ static void show_outer_cells(const mixed *m)
                 inner[v] = outer[v] = k;
                 inner[a] = from[a], outer[a] = from[a] - 1;
                 if (b->cells[word_of(b, inner)] & bit_of(inner))
-                    show_cell(b, outer);
+                    show_cell(b, outer, &marks);
                 inner[a] = to[a], outer[a] = to[a] + 1;
                 if (b->cells[word_of(b, inner)] & bit_of(inner))
-                    show_cell(b, outer);
+                    show_cell(b, outer, &marks);
+                flush_marks(b, &marks); /* the next cells look at them */
             }
         --from[a];
         ++to[a];
@@ -264,7 +306,10 @@ static iso_status bake_bricks(const mixed *m, iso_error *err)
             if (place < 0 || !baked)
                 continue;
             coordinates(n, i, brick);
-            iso_brick_bake(m->field, brick, baked);
+            if (iso_brick_bake(m->field, brick, baked, NULL) != ISO_OK) {
+                ++failed;
+                continue;
+            }
             keep_nodes(m, (size_t)place >> ISO_CAST_LEVEL_BITS, nodes_of(m->field, i), baked);
             if (m->blocks.cells)
                 show_brick(m, i, baked);

@@ -92,8 +92,8 @@ static void convert(const iso_node_levels *n, int bits, size_t count, staging *s
     }
 }
 
-static void upload_brick(const iso_brick_field *f, const iso_brick_pack *pack, size_t i,
-                         const iso_gl_brick_options *opt, bool scalar_with_directions, staging *s)
+static iso_status upload_brick(const iso_brick_field *f, const iso_brick_pack *pack, size_t i,
+                               const iso_gl_brick_options *opt, bool scalar_with_directions, staging *s, iso_error *err)
 {
     const iso_node_levels *n = f->nodes;
     const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / (n->count[0] * n->count[1])};
@@ -102,23 +102,26 @@ static void upload_brick(const iso_brick_field *f, const iso_brick_pack *pack, s
     const size_t page = (size_t)at[2] / pack->size[2];
     const GLint x = (GLint)at[0], y = (GLint)at[1], z = (GLint)((size_t)at[2] % pack->size[2]);
     GLsizei m = (GLsizei)side;
-    iso_brick_bake(f, brick, s->baked);
+    const iso_status status = iso_brick_bake(f, brick, s->baked, err);
+    if (status != ISO_OK)
+        return status;
     convert(n, opt->cache_bits, side * side * side, s);
     if (scalar_with_directions) {
         glActiveTexture(GL_TEXTURE0 + unit_of_directions(page));
         glTexSubImage3D(GL_TEXTURE_3D, 0, x, y, z, m, m, m, GL_RGBA, GL_UNSIGNED_SHORT, s->texels);
-        return;
+        return ISO_OK;
     }
     glActiveTexture(GL_TEXTURE0 + unit_of_scalar(page));
     glTexSubImage3D(GL_TEXTURE_3D, 0, x, y, z, m, m, m, GL_RED, opt->cache_bits == 16 ? GL_UNSIGNED_SHORT : GL_FLOAT,
                     s->scalars);
     if (!opt->shaded)
-        return;
+        return ISO_OK;
     glActiveTexture(GL_TEXTURE0 + unit_of_directions(page));
     if (opt->cache_bits == 16)
         glTexSubImage3D(GL_TEXTURE_3D, 0, x, y, z, m, m, m, GL_RGB, GL_SHORT, s->vectors16);
     else
         glTexSubImage3D(GL_TEXTURE_3D, 0, x, y, z, m, m, m, GL_RGB, GL_FLOAT, s->vectors);
+    return ISO_OK;
 }
 
 static iso_status fill_cache(const iso_gl *gl, const iso_brick_field *f, const iso_brick_pack *pack,
@@ -149,7 +152,7 @@ static iso_status fill_cache(const iso_gl *gl, const iso_brick_field *f, const i
     }
     for (size_t i = 0; status == ISO_OK && i < iso_brick_count(f->nodes); ++i)
         if (pack->layout[4 * i + 3] > 0)
-            upload_brick(f, pack, i, opt, together, &s);
+            status = upload_brick(f, pack, i, opt, together, &s, err);
     free_staging(&s);
     return status == ISO_OK ? iso_gl_check("filling the brick cache", err) : status;
 }
