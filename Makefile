@@ -27,7 +27,7 @@ check_packages := $(demo_packages) libnanovdb-tools libcmocka-dev libopenmpi-dev
 	libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev groff-base poppler-utils python3-openvdb python3-numpy chromium \
 	python3-yaml teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools \
 	python3-nibabel python3-astropy python3-vtk9 python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools \
-	clang libomp-dev cppcheck valgrind strace python3-openimageio openimageio-tools python3-png xvfb xauth
+	clang libomp-dev cppcheck valgrind strace python3-venv python3-openimageio openimageio-tools python3-png xvfb xauth
 
 # Folders that parse untrusted input.
 untrusted := base image volume

@@ -25,11 +25,9 @@ def libraries(files):
 
 def owners(paths):
     """Returns {package: version} of the Debian packages that own the paths."""
-    names = set()
-    for path in paths:
-        for spelling in (path, path.removeprefix("/usr")):  # older packages list /lib
-            found = subprocess.run(("dpkg", "-S", spelling), capture_output=True, text=True, check=False).stdout
-            names.update(line.split(": ")[0].split(",")[0] for line in found.splitlines())
+    spellings = [*paths, *(path.removeprefix("/usr") for path in paths)]  # older packages list /lib
+    found = subprocess.run(("dpkg", "-S", *spellings), capture_output=True, text=True, check=False).stdout
+    names = {line.split(": ")[0].split(",")[0] for line in found.splitlines()}
     rows = output("dpkg-query", "-W", "-f", "${Package} ${Version} ${Architecture}\n", *sorted(names)).split("\n")
     return sorted(row.split() for row in rows if row)
 
