@@ -37,7 +37,9 @@ CC := gcc
 CXX := g++
 OBJCOPY := objcopy
 warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Wno-psabi $(WERROR)
-flags_release := -O3 -march=x86-64-v2 -g -ffp-contract=off -fno-math-errno -fno-trapping-math
+# SSE4.2 on PCs; kernels for later processors are chosen at run time.
+baseline := $(if $(filter x86_64-%,$(shell $(CC) -dumpmachine 2>/dev/null)),-march=x86-64-v2)
+flags_release := -O3 $(baseline) -g -ffp-contract=off -fno-math-errno -fno-trapping-math
 # Check copies into buffers of known size at run time, in all that is installed. Not in the inner loops of these folders:
 # each copy of a fixed-size word would become a function call.
 inner_loops := encode gradient render/cpu
