@@ -428,6 +428,8 @@ $(build)/%.o: %.cc $(build)/flags
 $(build)/src/encode/decode_float.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/render/cpu/cast_%.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/encode/encode_region48.o: CFLAGS += -ffp-contract=fast
+# gcc 12 for arm64 ends with an internal error at its search for the best candidate.
+$(build)/src/plan/scene_levels.o: CFLAGS += -fno-tree-loop-vectorize
 fortified_o := $(if $(filter release,$(config)),$(filter-out $(inner_loops:%=$(build)/src/%/%.o),$(lib_o)) $(commands_o) $(lab_o) \
 	$(openvdb_o) $(build)/src/cli/main.o)
 $(fortified_o): CFLAGS += $(fortified)

@@ -8,6 +8,7 @@
 #ifndef ISO_SIMD_H
 #define ISO_SIMD_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
@@ -19,6 +20,16 @@
 #endif
 #else
 #define ISO_SIMD
+#endif
+
+/* A variant of a function for one instruction set of x86-64, `ISO_FOR("avx2") static void f_avx2(...)`, is called if
+ * ISO_HAS("avx2"). Other processors have the baseline alone. */
+#ifdef __x86_64__
+#define ISO_FOR(SET) __attribute__((target(SET)))
+#define ISO_HAS(SET) __builtin_cpu_supports(SET)
+#else
+#define ISO_FOR(SET)
+#define ISO_HAS(SET) false
 #endif
 
 /* Copies bytes past the caches, for results that are not read again soon. */

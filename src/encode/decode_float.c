@@ -3,6 +3,7 @@
  * GPU. Compiled with -fsingle-precision-constant (Makefile). */
 #include <math.h>
 
+#include "base/simd.h"
 #include "encode/decode_kernel.h"
 
 typedef struct vec3f {
@@ -39,8 +40,8 @@ SIMD decode_any(int decoder, const float *restrict lattice, float *restrict dire
     }
 }
 
-__attribute__((target("avx2"))) static void decode_avx2(int decoder, const float *restrict lattice,
-                                                        float *restrict directions, size_t count)
+ISO_FOR("avx2") static void decode_avx2(int decoder, const float *restrict lattice, float *restrict directions,
+                                        size_t count)
 {
     decode_any(decoder, lattice, directions, count);
 }
@@ -52,7 +53,7 @@ static void decode_baseline(int decoder, const float *restrict lattice, float *r
 
 void iso_decode_floats(int decoder, const float *restrict lattice, float *restrict directions, size_t count)
 {
-    if (__builtin_cpu_supports("avx2"))
+    if (ISO_HAS("avx2"))
         decode_avx2(decoder, lattice, directions, count);
     else
         decode_baseline(decoder, lattice, directions, count);

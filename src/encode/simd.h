@@ -11,6 +11,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/simd.h"
+
 enum { ISO_LANES = 8 };
 typedef float v8f __attribute__((vector_size(32)));
 typedef int32_t v8i __attribute__((vector_size(32)));
@@ -97,8 +99,8 @@ ISO_INLINE void iso_block_store(const iso_block *b, uint8_t *restrict bytes, siz
 /* The same for TARGET, chosen if the machine has FEATURE too. */
 /* clang-format off */
 #define ISO_SIMD_ENCODER_FOR(NAME, LANES, TARGET, FEATURE)                                                 \
-    __attribute__((target(TARGET))) static void NAME##_fast(const float *restrict directions,             \
-                                                            uint8_t *restrict bytes, size_t count)        \
+    ISO_FOR(TARGET) static void NAME##_fast(const float *restrict directions, uint8_t *restrict bytes,    \
+                                            size_t count)                                                 \
     {                                                                                                     \
         ISO_SIMD_BLOCKS(LANES)                                                                            \
     }                                                                                                     \
@@ -108,7 +110,7 @@ ISO_INLINE void iso_block_store(const iso_block *b, uint8_t *restrict bytes, siz
     }                                                                                                     \
     void NAME(const float *restrict directions, uint8_t *restrict bytes, size_t count)                    \
     {                                                                                                     \
-        if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports(FEATURE))                            \
+        if (ISO_HAS("avx2") && ISO_HAS(FEATURE))                                                          \
             NAME##_fast(directions, bytes, count);                                                        \
         else                                                                                              \
             NAME##_baseline(directions, bytes, count);                                                    \
