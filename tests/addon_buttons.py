@@ -101,6 +101,28 @@ os.rename(grid, grid + ".away")
 refused("a_missing_grid_is_named", os.path.basename(grid), buttons.check_files)
 os.rename(grid + ".away", grid)
 
+# ---- the histogram -----------------------------------------------------------------------------------------------
+
+histogram = importlib.import_module(f"{module}.histogram")
+with open(source, "rb") as file:
+    samples = numpy.frombuffer(file.read()[-2 * 14 ** 3:], "<u2").astype(float)
+lowest, highest, counts = histogram.counts_of(frame)
+have = numpy.histogram(samples, len(counts), (lowest, highest))[0]
+tell("the_import_counts_all_values", (lowest, highest) == (samples.min(), samples.max()) and abs(have - counts).max() <= 1,
+     f"{lowest} to {highest}, {list(counts)}, by numpy {list(have)}")
+del frame["isoshade_histogram"]
+ramp = volume.ramp_of(volume.shown_object(frame))
+tell("without_it_there_is_no_picture", histogram.icon(frame, ramp) == 0)
+works("a_button_counts_again", buttons.histogram)
+pixels = histogram.picture(frame, ramp)
+bars = (pixels[histogram.STRIP:, :, 0] > 0.3).sum(axis=0)
+place = ramp.lo + (numpy.arange(histogram.WIDTH) + 0.5) / histogram.WIDTH * (ramp.hi - ramp.lo)
+bins = ((place - lowest) / (highest - lowest) * len(counts)).clip(0, len(counts) - 1).astype(int)
+tall = numpy.log1p(counts)[bins] / numpy.log1p(counts.max()) * (histogram.HEIGHT - histogram.STRIP - 1)
+tell("bars_stand_at_their_values", (abs(bars - tall) <= 6).all() and bars.max() > 90, abs(bars - tall).max())
+tell("shifted_by_a_bin_they_would_not", abs(numpy.roll(bars, histogram.WIDTH // len(counts)) - tall).max() > 6)
+tell("under_them_are_the_ramps_colors", abs(pixels[3, 128, :3] ** 2.2 - numpy.clip(ramp.curve(place[128:129])[0, :3], 0, 1)).max() < 1e-3)
+
 # ---- levels, ramps and tables ----------------------------------------------------------------------------------
 
 ramp = volume.ramp_of(volume.shown_object(frame))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes of the add-on (exporters/blender/addon/surface.py) against closed forms. Run by Blender for check_meshes.sh; a
-line "ok NAME" or "not ok NAME: why" each.
+"""Meshes of the add-on (exporters/blender/addon: surface.py, marks.py) against closed forms. Run by Blender for
+check_meshes.sh; a line "ok NAME" or "not ok NAME: why" each.
 
 blender -b NAME.blend -P meshes.py -- ADDON_FOLDER sphere|labels"""
 import math
@@ -9,7 +9,7 @@ import sys
 import bmesh
 import bpy
 import numpy
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 folder, kind = sys.argv[sys.argv.index("--") + 1:]
 sys.path.insert(0, folder)
@@ -83,6 +83,58 @@ def sphere():
     say("it_has_no_labels", "is not a label map" in said, said)
 
 
+def ends(bar):
+    """Length of a bar in the world, along its own x axis."""
+    found = vertices(bar)
+    shown = bar.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    axis = numpy.array(shown.matrix_world.to_3x3().col[0].normalized())
+    along = found @ axis
+    return along.max() - along.min(), axis
+
+
+def marks():
+    """A scale bar has its length, and axes their directions, before and after the volume is scaled."""
+    before = set(bpy.data.objects)
+    press(bpy.ops.isoshade.scale_bar)
+    bar, label = newest(before)
+    words = label.data.body
+    say("its_length_is_round", words == "10 mm" and bar.name.endswith(words), words)
+    before = set(bpy.data.objects)
+    press(bpy.ops.isoshade.scale_bar, length_mm=0.25)
+    short = newest(before)[0]
+    say("a_short_one_is_in_micrometers", short.name.endswith("250 µm"), short.name)
+    before = set(bpy.data.objects)
+    press(bpy.ops.isoshade.axes)
+    axes = [thing for thing in newest(before) if thing.type == 'MESH']
+    say("there_are_three_axes", len(axes) == 3, newest(before))
+    kept = frame.matrix_world.copy()
+    right = numpy.array(bpy.context.scene.camera.matrix_world.to_3x3().col[0])
+    for case, scale in (("as_imported", 1), ("in_meters", 0.001), ("ten_times_as_large", 10)):
+        turn = Matrix.Rotation(0.7, 4, 'Y') @ Matrix.Rotation(-0.3, 4, 'X')
+        frame.matrix_world = Matrix.Translation((3, -2, 1)) @ Matrix.Scale(scale, 4) @ turn @ kept
+        for thing, mm in ((bar, 10), (short, 0.25)):
+            length, axis = ends(thing)
+            # Positions have single precision.
+            good = abs(length - mm * scale) < 1e-5 * mm * scale + 1e-6 * frame.matrix_world.translation.length
+            good = good and abs(axis @ right - 1) < 1e-4
+            say(f"a_bar_of_{mm}_mm_has_its_length_{case}", good, f"{length:.6g}, axis {axis}")
+        wanted = frame.matrix_world.to_3x3().normalized()
+        off = max(abs(ends_of - numpy.array(wanted.col[i])).max() for i, ends_of in enumerate(map(direction, axes)))
+        say(f"axes_are_those_of_the_data_{case}", off < 1e-4, f"off by {off:.2g}")
+    bar.scale = (1.1, 1, 1)  # planted
+    say("a_longer_bar_is_seen", abs(ends(bar)[0] / 100 - 1) > 0.05, ends(bar)[0])
+    frame.matrix_world = kept
+
+
+def direction(thing):
+    """Direction from an axis's start, at the lowest corner of the box, to its end."""
+    found = vertices(thing)
+    start = numpy.array(frame.matrix_world @ Vector(frame.bound_box[0]))
+    away = found - start
+    tip = away[numpy.linalg.norm(away, axis=1) > 0.9 * numpy.linalg.norm(away, axis=1).max()].mean(axis=0)
+    return tip / numpy.linalg.norm(tip)
+
+
 def labels():
     """A ball of 33 voxels and a cuboid of 2 x 3 x 4, voxels of 1 x 1 x 2.5 mm, sheared."""
     before = set(bpy.data.objects)
@@ -111,4 +163,8 @@ def labels():
     say("labels_have_no_surface_at_a_value", "is a label map" in refused, refused)
 
 
-sphere() if kind == "sphere" else labels()
+if kind == "sphere":
+    sphere()
+    marks()
+else:
+    labels()

@@ -8,13 +8,15 @@
     operators.py  the buttons
     cutter.py     empties and meshes that cut the volume
     surface.py    meshes of a surface and of labels
+    marks.py      scale bar and axes
+    histogram.py  the picture over the ramp
     certify.py    the button that certifies the scene
     own_picture.py  the picture of a copy of the file, in a Blender of its own
     panel.py      the panel in the sidebar of the 3D view"""
 import bpy
 from bpy.props import BoolProperty, IntProperty, PointerProperty, StringProperty
 
-from . import certify, cutter, operators, panel, surface
+from . import certify, cutter, histogram, marks, operators, panel, surface
 
 # For Blender before 4.2; later ones read blender_manifest.toml.
 bl_info = {
@@ -54,7 +56,8 @@ class IsoshadeScene(bpy.types.PropertyGroup):
     report: StringProperty(subtype='FILE_PATH')
 
 
-classes = (IsoshadePreferences, IsoshadeState, IsoshadeScene, *operators.classes, *cutter.classes, *surface.classes, *certify.classes, *panel.classes)
+classes = (IsoshadePreferences, IsoshadeState, IsoshadeScene, *operators.classes, *histogram.classes, *cutter.classes,
+           *surface.classes, *marks.classes, *certify.classes, *panel.classes)
 
 
 def menu(self, _context):
@@ -73,6 +76,7 @@ def unregister():
     if operators.running is not None:
         operators.running.cancel()
     bpy.types.TOPBAR_MT_file_import.remove(menu)
+    histogram.forget()
     del bpy.types.WindowManager.isoshade, bpy.types.Scene.isoshade
     for kind in reversed(classes):
         bpy.utils.unregister_class(kind)

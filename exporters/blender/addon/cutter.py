@@ -80,8 +80,8 @@ def place_in(nodes, cutter, size):
     geometry = nodes.add('ShaderNodeNewGeometry', {}).outputs
     step = nodes.add('ShaderNodeAttribute', {}, attribute_type='OBJECT', attribute_name="isoshade_step").outputs["Fac"]
     found = []
-    away, travel = nodes.vector('SUBTRACT', geometry["Position"], origin), nodes.vector('SCALE', geometry["Incoming"], step)
-    for world in (away, travel):
+    away = nodes.vector('SUBTRACT', geometry["Position"], origin)
+    for world in (away, nodes.vector('SCALE', geometry["Incoming"], step)):
         parts = [nodes.math('DIVIDE', nodes.vector('DOT_PRODUCT', row, world), whole) for row in across]
         found.append(nodes.join(*parts))
     return found
@@ -373,8 +373,8 @@ def clip_planes(frame, point, direction):
     for node, cutter in cutters_of(frame):
         kept = faces(cutter, node.node_tree["isoshade_shape"]) if cutter else None
         if kept is None:
-            raise Refused(f"{cutter.name if cutter else node.name}: the reference cuts only by planes, and by a box that "
-                          "keeps its inside; remove this cutter to certify")
+            raise Refused(f"{cutter.name if cutter else node.name}: the reference cuts only by planes, and by a box "
+                          "that keeps its inside; remove this cutter to certify")
         planes += [{"normal": list(direction(normal)), "point_mm": list(point(place))} for place, normal in kept]
     return planes
 

@@ -2,6 +2,7 @@
 """The buttons. Commands of isoshade run in parallel with Blender, and a timer polls them; in background mode, which has
 no timers, Blender waits."""
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -136,6 +137,20 @@ def take_over(path, into, context, unit='MM'):
     return frames[0]
 
 
+def note_values(frame, text):
+    """Keeps the histogram and the unit of the values, which `isoshade info --json` printed; without them if it is older
+    than the add-on, or if the volume has one value."""
+    try:
+        about = json.loads(text[text.index("{"):])
+        counts = [float(v) for v in about["histogram"]]
+        lo, hi = float(about["min"]), float(about["max"])
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return
+    if hi > lo and counts and all(math.isfinite(v) and v >= 0 for v in (*counts, hi - lo)):
+        frame["isoshade_histogram"] = [lo, hi, *counts]
+        frame["isoshade_value_unit"] = str(about.get("value_unit", ""))[:32]
+
+
 class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
     """Import a volume: NRRD, NIfTI, DICOM, TIFF, or another file that isoshade reads"""
     bl_idname, bl_label = "isoshade.import_volume", "Import Volume"
@@ -187,6 +202,7 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
                 raise Refused(job.complaint())
             frame = take_over(target, into, bpy.context, unit)
             frame["isoshade_volume"] = source
+            note_values(frame, job.output())
             bpy.context.view_layer.objects.active = frame
             if into == 'HERE':
                 if frame_it:
@@ -196,7 +212,8 @@ class ISOSHADE_OT_import(Button, bpy.types.Operator, ImportHelper):
                     return f"Careful: {frame.name} is imported, but {'; '.join(careful)}"
             return f"{frame.name}: {len(volume.level_numbers(frame))} levels from {os.path.basename(source)}; the grids are next to {target}"
 
-        return self.run(context, f"Importing {os.path.basename(source)}", [command], finish)
+        return self.run(context, f"Importing {os.path.basename(source)}", [command, [path, "info", source, "--json"]],
+                        finish)
 
 
 class ISOSHADE_OT_level(Button, bpy.types.Operator):

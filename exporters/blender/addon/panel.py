@@ -2,7 +2,7 @@
 """The panel "isoshade" in the sidebar of the 3D view."""
 import bpy
 
-from . import cutter, operators, volume
+from . import cutter, histogram, operators, volume
 from .tables import Refused, value_at
 
 
@@ -70,14 +70,21 @@ class ISOSHADE_PT_transfer(Section, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("isoshade.show", text="Exact Table", depress=not uses_ramp).ramp = False
         row.operator("isoshade.show", text="Ramp", depress=uses_ramp).ramp = True
+        picture = histogram.icon(frame, ramp)
+        if picture:
+            layout.template_icon(icon_value=picture, scale=8)
+        else:
+            layout.operator("isoshade.histogram", icon='SEQ_HISTOGRAM')
         layout.template_color_ramp(ramp.node, "color_ramp", expand=False)
         row = layout.row()
-        row.label(text=f"{ramp.lo:g} to {ramp.hi:g}, opacity of {ramp.unit_mm:.4g} mm")
+        unit = histogram.unit_of(frame)
+        row.label(text=f"{ramp.lo:g} to {ramp.hi:g}{unit}, opacity of {ramp.unit_mm:.4g} mm")
         row.operator("isoshade.ramp_range", text="", icon='ARROW_LEFTRIGHT')
         column = layout.column(align=True)
         for stop in list(ramp.node.color_ramp.elements)[:12]:
             row = column.row(align=True)
-            row.label(text=f"{value_at(stop.position, ramp.lo, ramp.hi):g}")
+            row.label(text=f"{value_at(stop.position, ramp.lo, ramp.hi):g}{unit}")
+            row.label(text=f"{stop.color[3]:.3g}")
             row.prop(stop, "color", text="")
         if ramp.is_shown():
             layout.label(text="The exact table equals the ramp", icon='CHECKMARK')
@@ -130,6 +137,9 @@ class ISOSHADE_PT_mesh(Section, bpy.types.Panel):
             self.layout.operator("isoshade.label_meshes", icon='MESH_DATA')
         else:
             self.layout.operator("isoshade.surface", icon='MESH_DATA')
+        row = self.layout.row(align=True)
+        row.operator("isoshade.scale_bar", icon='DRIVER_DISTANCE')
+        row.operator("isoshade.axes", icon='EMPTY_AXIS')
 
 
 class ISOSHADE_PT_certify(Section, bpy.types.Panel):
