@@ -99,7 +99,5 @@ def shots(path, folder):
             page.screenshot(os.path.join(folder, f"{name}.jpg"), "jpeg", 88)
 
 
-if len(sys.argv) > 2:
-    shots(*sys.argv[1:])
-else:
-    findings(sys.argv[1])
+if __name__ == "__main__":
+    shots(*sys.argv[1:]) if len(sys.argv) > 2 else findings(sys.argv[1])

@@ -25,7 +25,8 @@ cat >clear.scene.json <<'END'
 END
 "$ISOSHADE" validate v.nrrd --scene clear.scene.json --quick --with vtkjs --renderers bare/renderers.json --quiet -o none >out 2>&1
 check without_the_library_fetching_it_is_named grep -rq "fetch.sh fetches it" out none
-[ -s "$web/node_modules/.isoshade/vtkjs.js" ] || { skip vtkjs "not fetched: sh tests/peers/web/fetch.sh"; exit $failed; }
+fetched=$top/build/web
+[ -s "$fetched/vtkjs.js" ] || { skip vtkjs "not fetched: sh tests/peers/web/fetch.sh"; exit $failed; }
 command -v chromium >/dev/null || { skip vtkjs "there is no chromium"; exit $failed; }
 
 # picture RENDERER JSON: its picture of the scene, and how far it is from the reference's
@@ -40,15 +41,15 @@ holds a_constant_is_right_within_eight_bits "length(\"$is\") && ${is:-1} < 0.008
 is=$(picture and-canvas "$web/causes.json" 0.25)
 holds in_floats_it_is_the_reference "length(\"$is\") && ${is:-1} < 5e-4"
 # Planted: an extinction 2 % too strong, by a wrong unit distance.
-mkdir wrong && cp "$web"/*.mjs "$web/renderers.json" wrong && mkdir -p wrong/node_modules/.isoshade
-cp "$web/node_modules/.isoshade/vtkjs.html" wrong/node_modules/.isoshade
-ln -s "$web/node_modules/@kitware" wrong/node_modules
-sed 's/setScalarOpacityUnitDistance(0,\([a-zA-Z_$]*\))/setScalarOpacityUnitDistance(0,0.95*\1)/' "$web/node_modules/.isoshade/vtkjs.js" \
-    >wrong/node_modules/.isoshade/vtkjs.js
-if cmp -s wrong/node_modules/.isoshade/vtkjs.js "$web/node_modules/.isoshade/vtkjs.js"; then
+mkdir -p wrong/tests/peers/web wrong/build/web/node_modules
+cp "$web"/*.mjs "$web/renderers.json" wrong/tests/peers/web
+cp "$fetched/vtkjs.html" wrong/build/web
+ln -s "$fetched/node_modules/@kitware" wrong/build/web/node_modules
+sed 's/setScalarOpacityUnitDistance(0,\([a-zA-Z_$]*\))/setScalarOpacityUnitDistance(0,0.95*\1)/' "$fetched/vtkjs.js" >wrong/build/web/vtkjs.js
+if cmp -s wrong/build/web/vtkjs.js "$fetched/vtkjs.js"; then
     not_ok a_wrong_unit_distance_is_seen "the fault could not be planted"
 else
-    is=$(picture vtkjs-midpoints wrong/renderers.json 0.25)
+    is=$(picture vtkjs-midpoints wrong/tests/peers/web/renderers.json 0.25)
     holds a_wrong_unit_distance_is_seen "length(\"$is\") && ${is:-0} > 0.008"
 fi
 check no_browser_is_left_alive sh -c '! ls -d "$TMPDIR"/isoshade-web-* 2>/dev/null | grep -q .'

@@ -20,29 +20,8 @@ typedef struct report_arguments {
     int results_only;
 } report_arguments;
 
-/* A loaded report. dir: folder of report.json. */
-typedef struct loaded_report {
-    const char *path; /* path that the user gave */
-    char *dir;
-    json_t *root;
-} loaded_report;
-
-static iso_status load(const char *path, loaded_report *r, iso_error *err)
-{
-    const bool is_dir = iso_path_is_dir(path);
-    r->path = path;
-    r->dir = is_dir ? strdup(path) : iso_path_dir(path);
-    return r->dir ? iso_report_load(path, &r->root, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-}
-
-static void unload(loaded_report *r)
-{
-    free(r->dir);
-    json_decref(r->root);
-}
-
 /* Adds command, options and paths for the page and --json; the heading has the names in the reports. */
-static void describe(const iso_cli *cli, const report_arguments *a, const loaded_report of[2], json_t *d)
+static void describe(const iso_cli *cli, const report_arguments *a, const iso_report_source of[2], json_t *d)
 {
     char *line = iso_cli_command_line(cli);
     for (int i = 0; i < 2; ++i)
@@ -68,14 +47,13 @@ static iso_status write_files(const report_arguments *a, const json_t *d, const 
     return status;
 }
 
-static iso_status diff(const iso_cli *cli, const report_arguments *a, const loaded_report of[2], iso_error *err)
+static iso_status diff(const iso_cli *cli, const report_arguments *a, const iso_report_source of[2], iso_error *err)
 {
-    const iso_difference_source from[2] = {{of[0].dir, of[0].root}, {of[1].dir, of[1].root}};
     json_t *d = NULL, *inlined = json_pack("{s:{}, s:{}}", "images", "differences");
     iso_status status = iso_difference_of(of[0].root, of[1].root, a->results_only, 1, &d, err);
     if (status == ISO_OK) {
         describe(cli, a, of, d);
-        status = iso_difference_add_pictures(d, &from[0], &from[1], a->output ? inlined : NULL, err);
+        status = iso_difference_add_pictures(d, &of[0], &of[1], a->output ? inlined : NULL, err);
     }
     if (status == ISO_OK) {
         iso_difference_conclude(d);
@@ -96,16 +74,16 @@ static iso_status diff(const iso_cli *cli, const report_arguments *a, const load
 
 static iso_status check_and_diff(const iso_cli *cli, const report_arguments *a, iso_error *err)
 {
-    loaded_report of[2] = {{0}};
+    iso_report_source of[2] = {{0}};
     if (strcmp(cli->arguments[0], "diff") != 0)
         return iso_fail(err, ISO_E_USAGE, "unknown subcommand \"%s\"; try: report diff A B", cli->arguments[0]);
     if (cli->argument_count != 3)
         return iso_fail(err, ISO_E_USAGE, "diff needs two reports, A and B");
-    iso_status status = load(cli->arguments[1], &of[0], err);
-    TRY(status, load(cli->arguments[2], &of[1], err));
+    iso_status status = iso_report_source_open(&of[0], cli->arguments[1], err);
+    TRY(status, iso_report_source_open(&of[1], cli->arguments[2], err));
     TRY(status, diff(cli, a, of, err));
-    unload(&of[0]);
-    unload(&of[1]);
+    iso_report_source_close(&of[0]);
+    iso_report_source_close(&of[1]);
     return status;
 }
 

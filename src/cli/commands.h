@@ -23,6 +23,7 @@
     X(figure) \
     X(baseline) \
     X(report) \
+    X(certificate) \
     X(atlas) \
     X(bench)
 

@@ -26,7 +26,7 @@ static void print_overview(FILE *file)
     fprintf(file, "%s %s: %s\n\nusage: %s COMMAND [options]\n\ncommands:\n", running->name, ISO_VERSION, running->title,
             running->name);
     for (const iso_command *const *c = running->commands; *c; ++c)
-        fprintf(file, "  %-10s %s\n", (*c)->name, (*c)->summary);
+        fprintf(file, "  %-12s %s\n", (*c)->name, (*c)->summary);
     fprintf(file, "\n%s help COMMAND shows its options, with examples.\n%s\nexit codes:\n", running->name,
             running->more ? running->more : "");
 #define ISO_STATUS_LINE(name, code, text) fprintf(file, "  %d  %s\n", code, text);

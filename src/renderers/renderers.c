@@ -111,31 +111,52 @@ void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more)
 /* ---- one image ---- */
 
 /* A feature that a view may need. */
-typedef struct asked_trait {
-    bool asked;
+typedef struct feature {
     unsigned trait;
-    const char *what;
-} asked_trait;
+    const char *name;
+} feature;
 
-static asked_trait find_lacking(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view, bool isosurface)
+static const feature features[] = {{ISO_HAS_ISOSURFACES, "isosurfaces"},
+                                   {ISO_HAS_CLIP_PLANES, "clip planes"},
+                                   {ISO_HAS_2D_TFS, "2D transfer functions"},
+                                   {ISO_HAS_EXTINCTION_SCALES, "extinction scales"},
+                                   {ISO_HAS_ROI, "regions of interest"},
+                                   {ISO_HAS_LABELS, "label maps"},
+                                   {ISO_HAS_LIGHTS, "lights"},
+                                   {ISO_HAS_ORTHOGRAPHIC, "orthographic views"}};
+enum { FEATURE_COUNT = sizeof features / sizeof *features };
+
+static unsigned traits_of(const iso_pyramid *p, const iso_view *view, bool isosurface)
 {
-    const asked_trait asked[] = {{isosurface, ISO_HAS_ISOSURFACES, "isosurfaces"},
-                                 {view->clip_count > 0, ISO_HAS_CLIP_PLANES, "clip planes"},
-                                 {view->tf_2d, ISO_HAS_2D_TFS, "2D transfer functions"},
-                                 {view->extinction_scale, ISO_HAS_EXTINCTION_SCALES, "extinction scales"},
-                                 {view->roi, ISO_HAS_ROI, "regions of interest"},
-                                 {p->levels[0].labels, ISO_HAS_LABELS, "label maps"},
-                                 {iso_view_is_lit(view), ISO_HAS_LIGHTS, "lights"},
-                                 {view->camera.orthographic, ISO_HAS_ORTHOGRAPHIC, "orthographic views"}};
-    for (size_t i = 0; i < sizeof asked / sizeof *asked; ++i)
-        if (asked[i].asked && !iso_renderer_has(r, asked[i].trait))
-            return asked[i];
-    return (asked_trait){0};
+    return (isosurface ? ISO_HAS_ISOSURFACES : 0u) | (view->clip_count > 0 ? ISO_HAS_CLIP_PLANES : 0u) |
+           (view->tf_2d ? ISO_HAS_2D_TFS : 0u) | (view->extinction_scale ? ISO_HAS_EXTINCTION_SCALES : 0u) |
+           (view->roi ? ISO_HAS_ROI : 0u) | (p->levels[0].labels ? ISO_HAS_LABELS : 0u) |
+           (iso_view_is_lit(view) ? ISO_HAS_LIGHTS : 0u) |
+           (view->camera.orthographic ? ISO_HAS_ORTHOGRAPHIC : 0u);
+}
+
+/* Returns the first of these features that the renderer lacks, or NULL. */
+static const feature *find_lacking(const iso_renderer_info *r, unsigned traits)
+{
+    for (size_t i = 0; i < FEATURE_COUNT; ++i)
+        if (traits & features[i].trait && !iso_renderer_has(r, features[i].trait))
+            return &features[i];
+    return NULL;
 }
 
 const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view, bool isosurface)
 {
-    return find_lacking(r, p, view, isosurface).what;
+    const feature *lacking = find_lacking(r, traits_of(p, view, isosurface));
+    return lacking ? lacking->name : NULL;
+}
+
+json_t *iso_renderer_features(const iso_renderer_info *r, bool lacking)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < FEATURE_COUNT; ++i)
+        if (iso_renderer_has(r, features[i].trait) != lacking)
+            json_array_append_new(list, json_string(features[i].name));
+    return list;
 }
 
 /* Refuses a request with a feature that the renderer lacks, since it would draw another scene. */
@@ -143,13 +164,13 @@ static iso_status check(const iso_render_request *q, iso_error *err)
 {
     char names[256];
     const iso_renderer_info *r = q->options->renderer;
-    const asked_trait lacking = find_lacking(r, q->pyramid, q->view, q->options->isosurface);
+    const feature *lacking = find_lacking(r, traits_of(q->pyramid, q->view, q->options->isosurface));
     const iso_status status = iso_pyramid_check_level(q->pyramid, NULL, q->level, err);
     if (status != ISO_OK)
         return status;
-    if (lacking.asked)
-        return iso_fail(err, ISO_E_USAGE, "%s are rendered by %s, not by %s", lacking.what,
-                        iso_renderers_with(lacking.trait, ", ", " and ", names, sizeof names), r->name);
+    if (lacking)
+        return iso_fail(err, ISO_E_USAGE, "%s are rendered by %s, not by %s", lacking->name,
+                        iso_renderers_with(lacking->trait, ", ", " and ", names, sizeof names), r->name);
     /* Values between two labels are neither a third label nor a surface. */
     if (q->pyramid->levels[0].labels && (q->options->isosurface || q->view->roi || q->view->tf_2d ||
                                          q->options->quadrature == ISO_QUADRATURE_PREINTEGRATED))

@@ -280,6 +280,8 @@ iso_render_options iso_render_defaults(const iso_renderer_info *r);
 
 /* Returns a feature that the view or an isosurface needs and the renderer lacks, such as "clip planes"; or NULL. */
 const char *iso_renderer_lacks(const iso_renderer_info *r, const iso_pyramid *p, const iso_view *view, bool isosurface);
+/* Returns a new list of the features that scenes may need and the renderer has, or lacks. */
+json_t *iso_renderer_features(const iso_renderer_info *r, bool lacking);
 
 /* Sets the steps of frames as iso_renderer_info.ask_steps does. */
 void iso_render_ask_steps(const iso_renderer_info *r, const iso_level *level, double finest_voxels, size_t count,

@@ -24,12 +24,7 @@
 #ifndef ISO_REPORT_DIFFERENCE_H
 #define ISO_REPORT_DIFFERENCE_H
 
-#include "base/json.h"
-
-typedef struct iso_difference_source {
-    const char *dir;    /* folder of the pictures; or NULL */
-    const json_t *root; /* report.json */
-} iso_difference_source;
+#include "report/sections.h"
 
 /* Compares two reports. *difference is new: rows and facts with keys as in doc/reference/files-report.md, without
  * pictures. Tolerances are multiplied by factor. ISO_E_FORMAT: a or b is not a report. */
@@ -44,8 +39,8 @@ iso_status iso_difference_accept(const json_t *report, json_t **accepted, iso_er
 
 /* Adds "pictures", and to inlined, if it is not NULL, the images of differing pictures for the page. An unreadable
  * picture is an error, with the reader's status. */
-iso_status iso_difference_add_pictures(json_t *difference, const iso_difference_source *a,
-                                       const iso_difference_source *b, json_t *inlined, iso_error *err);
+iso_status iso_difference_add_pictures(json_t *difference, const iso_report_source *a, const iso_report_source *b,
+                                       json_t *inlined, iso_error *err);
 
 /* Adds "verdict" ("agree" if there are no differences, otherwise "differ") and "sentence". This is the last step. */
 void iso_difference_conclude(json_t *difference);

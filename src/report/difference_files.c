@@ -22,18 +22,6 @@ typedef struct picture_pair {
     iso_image images[2];
 } picture_pair;
 
-static char *path_of(const char *dir, const char *name, const char *suffix)
-{
-    char *path = NULL;
-    return asprintf(&path, "%s/images/%s.%s", dir, name, suffix) < 0 ? NULL : path;
-}
-
-/* True if a name is a plain word. Reports of others may contain paths here. */
-static bool is_image_name(const char *name)
-{
-    return name[0] && name[0] != '.' && !strchr(name, '/') && !iso_words_has_control(name);
-}
-
 static const json_t *row_of_image(const json_t *report, const char *name)
 {
     size_t i;
@@ -66,13 +54,13 @@ static json_t *describe_problem(const char *name, const char *problem)
 }
 
 /* Adds to `inlined` the images of the picture with this number. */
-static iso_status inline_pair(const picture_pair *p, const iso_difference_source *const of[2], size_t number,
+static iso_status inline_pair(const picture_pair *p, const iso_report_source *const of[2], size_t number,
                               json_t *inlined, iso_error *err)
 {
     iso_status status = ISO_OK;
     char *uri = NULL, key[32];
     for (int i = 0; i < 2 && status == ISO_OK; ++i) {
-        char *png = path_of(of[i]->dir, p->name, "png"), *place = NULL;
+        char *png = iso_report_source_picture(of[i], p->name, "png"), *place = NULL;
         status = png && asprintf(&place, "%c/%s", "ab"[i], p -> name) >= 0
                      ? iso_page_file_uri(png, "image/png", &uri, err)
                      : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
@@ -83,7 +71,7 @@ static iso_status inline_pair(const picture_pair *p, const iso_difference_source
         free(png);
         free(place);
     }
-    TRY(status, iso_page_difference_uri(&p->images[0], &p->images[1], &uri, err));
+    TRY(status, iso_page_difference_uri(&p->images[0], &p->images[1], ISO_PAGE_FINE, &uri, err));
     snprintf(key, sizeof key, "%zu", number);
     if (status == ISO_OK)
         json_object_set_new(json_object_get(inlined, "differences"), key, json_string(uri));
@@ -93,12 +81,12 @@ static iso_status inline_pair(const picture_pair *p, const iso_difference_source
 
 /* Loads both pictures. A missing one, or two of other sizes, are a difference: *problem is the reason, to be freed.
  * An unreadable one is an error. */
-static iso_status load(picture_pair *p, const iso_difference_source *const of[2], char **problem, iso_error *err)
+static iso_status load(picture_pair *p, const iso_report_source *const of[2], char **problem, iso_error *err)
 {
     iso_status status = ISO_OK;
     int wrote = 0;
     for (int i = 0; i < 2 && !*problem && status == ISO_OK; ++i) {
-        char *exr = path_of(of[i]->dir, p->name, "exr");
+        char *exr = iso_report_source_picture(of[i], p->name, "exr");
         if (!exr)
             status = iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
         else if (!iso_path_exists(exr))
@@ -119,7 +107,7 @@ static iso_status load(picture_pair *p, const iso_difference_source *const of[2]
 }
 
 /* Compares two pictures, and adds them to list if they differ. */
-static iso_status compare_pair(picture_pair *p, const iso_difference_source *const of[2], json_t *list, json_t *inlined,
+static iso_status compare_pair(picture_pair *p, const iso_report_source *const of[2], json_t *list, json_t *inlined,
                                iso_error *err)
 {
     char *problem = NULL;
@@ -174,22 +162,18 @@ static iso_status keep_sorted(json_t *difference, json_t *list, iso_error *err)
 }
 
 /* Returns the report without pictures (only its report.json was kept), or NULL. */
-static const iso_difference_source *without_pictures(const iso_difference_source *const of[2])
+static const iso_report_source *without_pictures(const iso_report_source *const of[2])
 {
-    for (int i = 0; i < 2; ++i) {
-        char *images = of[i]->dir ? iso_path_join(of[i]->dir, "images") : NULL;
-        const bool there = images && iso_path_is_dir(images);
-        free(images);
-        if (!there)
+    for (int i = 0; i < 2; ++i)
+        if (!iso_report_source_has_pictures(of[i]))
             return of[i];
-    }
     return NULL;
 }
 
-iso_status iso_difference_add_pictures(json_t *difference, const iso_difference_source *a,
-                                       const iso_difference_source *b, json_t *inlined, iso_error *err)
+iso_status iso_difference_add_pictures(json_t *difference, const iso_report_source *a, const iso_report_source *b,
+                                       json_t *inlined, iso_error *err)
 {
-    const iso_difference_source *const of[2] = {a, b}, *none = without_pictures(of);
+    const iso_report_source *const of[2] = {a, b}, *none = without_pictures(of);
     const json_t *others = json_object_get(b->root, "images");
     json_t *list = json_array(), *about;
     const char *name;
@@ -203,7 +187,7 @@ iso_status iso_difference_add_pictures(json_t *difference, const iso_difference_
         if (none || status != ISO_OK || !json_object_get(others, name))
             continue;
         ++count;
-        if (!is_image_name(name))
+        if (!iso_report_is_picture_name(name))
             json_array_append_new(list, describe_problem(name, "invalid image name"));
         else
             status = compare_pair(&p, of, list, inlined, err);

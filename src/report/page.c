@@ -24,6 +24,9 @@ ISO_EMBED(iso_report_inspector_js, "src/report/report_inspector.js");
 ISO_EMBED(iso_report_levels_js, "src/report/report_levels.js");
 ISO_EMBED(iso_report_page_js, "src/report/report_page.js");
 ISO_EMBED(iso_difference_page_js, "src/report/difference_page.js");
+ISO_EMBED(iso_certificate_html, "src/report/certificate.html");
+ISO_EMBED(iso_certificate_css, "src/report/certificate.css");
+ISO_EMBED(iso_certificate_page_js, "src/report/certificate_page.js");
 
 /* The scripts of a page form one script, and depend on the ones before. */
 const iso_page iso_page_of_report = {iso_report_html,
@@ -34,6 +37,10 @@ const iso_page iso_page_of_difference = {iso_difference_html,
                                          {iso_report_js, iso_report_difference_js, iso_report_inspector_js,
                                           iso_difference_page_js},
                                          NULL};
+const iso_page iso_page_of_certificates = {iso_certificate_html,
+                                           {iso_report_js, iso_report_difference_js, iso_report_tables_js,
+                                            iso_report_inspector_js, iso_certificate_page_js},
+                                           iso_certificate_css};
 
 /* ---- pictures as text ---- */
 
@@ -78,7 +85,8 @@ static unsigned difference_code(const float *a, const float *b)
     return (unsigned)fmin(fmax(code, 1), 65534);
 }
 
-iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, char **uri, iso_error *err)
+iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, iso_page_precision precision, char **uri,
+                                   iso_error *err)
 {
     size_t count = a->width * a->height;
     unsigned char *rgb = calloc(count, 3), *png = NULL;
@@ -87,6 +95,8 @@ iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, char 
     info.height = (png_uint_32)a->height;
     for (size_t i = 0; rgb && i < count; ++i) {
         unsigned code = difference_code(a->rgba + 4 * i, b->rgba + 4 * i);
+        if (precision == ISO_PAGE_COARSE && code > 0 && code < 65535)
+            code = code < 512 ? 256 : code & ~255u;
         rgb[3 * i] = (unsigned char)(code >> 8);
         rgb[3 * i + 1] = (unsigned char)(code & 255);
     }

@@ -12,7 +12,7 @@ typedef struct iso_page {
     const char *scripts[ISO_PAGE_MOST_SCRIPTS + 1]; /* one after the other; ends with NULL */
     const char *style;                              /* after the report's; or NULL */
 } iso_page;
-extern const iso_page iso_page_of_report, iso_page_of_difference;
+extern const iso_page iso_page_of_report, iso_page_of_difference, iso_page_of_certificates;
 extern const char iso_report_js[]; /* base of the scripts of all pages */
 
 /* Writes the page. data has "title" and "sentence"; its texts are escaped. */
@@ -23,7 +23,10 @@ iso_status iso_page_write(const char *path, const iso_page *page, const json_t *
 iso_status iso_page_file_uri(const char *path, const char *type, char **uri, iso_error *err);
 
 /* Encodes the largest channel difference of each pixel of two images of one size: 16 bits on a log scale in a PNG's
- * red and green. code = 1 + 65533 log10(d / 1e-9) / 11, 0 for no difference, 65535 for non-finite. */
-iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, char **uri, iso_error *err);
+ * red and green. code = 1 + 65533 log10(d / 1e-9) / 11, 0 for no difference, 65535 for non-finite. Coarse: a multiple
+ * of 256, a tenth of the difference, in a third of the bytes. */
+typedef enum iso_page_precision { ISO_PAGE_FINE, ISO_PAGE_COARSE } iso_page_precision;
+iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, iso_page_precision precision, char **uri,
+                                   iso_error *err);
 
 #endif

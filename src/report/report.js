@@ -2,6 +2,7 @@
 // Shared by all pages: data, builders of elements, numbers.
 const data = JSON.parse(document.getElementById('data').textContent);
 const inlined = JSON.parse(document.getElementById('inlined').textContent);
+if (data.certificates) data.agreement = data.certificates; // a row for each
 const $ = id => document.getElementById(id);
 
 // ---- small builders ---------------------------------------------------------

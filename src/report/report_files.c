@@ -62,7 +62,7 @@ iso_status iso_report_files_difference(const char *dir, const char *a, const cha
     if (status == ISO_OK && (images[0].width != images[1].width || images[0].height != images[1].height))
         status = iso_fail(err, ISO_E_RANGE, "report: the images %s and %s have %zux%zu and %zux%zu pixels", a, b,
                           images[0].width, images[0].height, images[1].width, images[1].height);
-    TRY(status, iso_page_difference_uri(&images[0], &images[1], uri, err));
+    TRY(status, iso_page_difference_uri(&images[0], &images[1], ISO_PAGE_FINE, uri, err));
     iso_image_destroy(&images[0]);
     iso_image_destroy(&images[1]);
     return status;

@@ -43,7 +43,7 @@ function buildInspector(itsCases, pageHandlers) {
             el('button', {type: 'button', 'aria-label': 'zoom out', onclick: () => zoomTo(1 / 1.5)}, '−'), el('button', {type: 'button', onclick: reset}, 'whole'))),
         el('figure', {}, parts.panels, parts.readout, legend(), figcaption(handlers.figure + ' and the largest difference of their channels at each pixel, on one log scale for all cases; cyan marks pixels that are not finite. ' +
             'All panels zoom (wheel) and move (drag) in step; a double click shows the whole image. Keys: f flips, space swaps, s side by side, w the slider, d difference, ' +
-            'n and p the next and the previous case of the table, + − 0 and arrows zoom and move. Panels are 8-bit; the .exr files in images/ are what was compared.')), parts.text);
+            'n and p the next and the previous case of the table, + − 0 and arrows zoom and move. Panels are 8-bit; the report\'s .exr files are what was compared.')), parts.text);
     const move = (x, y) => { view.x += x / view.zoom; view.y += y / view.zoom; clampView(); show(); };
     const mode = name => { view.mode = name; show(); };
     const keys = {f: () => view.mode === 'flip' ? swap() : mode('flip'), s: () => mode('side'), w: () => mode('part'), d: () => mode('difference'), n: () => next(1), p: () => next(-1),

@@ -98,7 +98,8 @@ function arrange() {
     agreement.count.textContent = order.rows.length === data.agreement.length ? `${order.rows.length} cases` : `${order.rows.length} of ${data.agreement.length} cases`;
     agreement.heads.forEach((th, i) => th.setAttribute('aria-sort', i !== order.column ? 'none' : order.down ? 'descending' : 'ascending'));
 }
-function agreementFilters() {
+// label: of the button that shows all rows again; reset: what else it does.
+function agreementFilters(label = 'all, worst first', reset = () => {}) {
     const selects = filters.map(([name, of]) => {
         const values = [...new Set(data.agreement.map(of))].filter(Boolean).sort((x, y) => x.localeCompare(y, undefined, {numeric: true}));
         if (values.length < 2) return null;
@@ -109,8 +110,9 @@ function agreementFilters() {
     const all = el('button', {type: 'button', onclick: () => {
         order.filter = {}; order.text = text.value = ''; order.column = -1;
         for (const select of controls.querySelectorAll('select')) select.value = '';
+        reset();
         arrange();
-    }}, 'all, worst first');
+    }}, label);
     const controls = el('div', {class: 'controls'}, text, selects, all, agreement.count);
     return controls;
 }

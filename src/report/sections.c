@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "report/sections.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -69,10 +70,13 @@ iso_status iso_report_check(const json_t *report, const char *path, iso_error *e
     const char *key;
     json_t *rows, *row;
     size_t i;
-    if (strcmp(iso_row_text(report, "schema"), ISO_REPORT_SCHEMA) != 0)
-        return iso_fail(err, ISO_E_FORMAT,
-                        "%s: its schema is \"%.60s\", must be %s: not a report.json of isoshade validate", path,
-                        iso_row_text(report, "schema"), ISO_REPORT_SCHEMA);
+    const char *schema = iso_row_text(report, "schema");
+    if (strcmp(schema, ISO_REPORT_SCHEMA) != 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: its schema is \"%.60s\", must be %s: %s", path, schema,
+                        ISO_REPORT_SCHEMA,
+                        strncmp(schema, ISO_REPORT_SCHEMA, strlen(ISO_REPORT_SCHEMA) - 1) == 0
+                            ? "another version of isoshade wrote it; validate again"
+                            : "not a report.json of isoshade validate");
     json_object_foreach((json_t *)report, key, rows) json_array_foreach(rows, i, row)
     {
         const iso_status status = check_row(path, key, i, row, err);
@@ -88,9 +92,44 @@ iso_status iso_report_check(const json_t *report, const char *path, iso_error *e
 
 iso_status iso_report_load(const char *path, json_t **report, iso_error *err)
 {
-    char *file = iso_path_is_dir(path) ? iso_path_join(path, "report.json") : strdup(path);
-    iso_status status = file ? iso_json_load(file, report, err) : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+    const bool is_dir = iso_path_is_dir(path);
+    char *file = is_dir ? iso_path_join(path, "report.json") : strdup(path);
+    iso_status status = file ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+    if (is_dir && file && !iso_path_exists(file))
+        status = iso_fail(err, ISO_E_IO, "%s: holds no report.json; needs a folder of isoshade validate -o", path);
+    TRY(status, iso_json_load(file, report, err));
     TRY(status, iso_report_check(*report, file, err));
     free(file);
     return status;
+}
+
+iso_status iso_report_source_open(iso_report_source *source, const char *path, iso_error *err)
+{
+    *source = (iso_report_source){.path = path, .dir = iso_path_is_dir(path) ? strdup(path) : iso_path_dir(path)};
+    return source->dir ? iso_report_load(path, &source->root, err) : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+}
+
+void iso_report_source_close(iso_report_source *source)
+{
+    free(source->dir);
+    json_decref(source->root);
+}
+
+bool iso_report_source_has_pictures(const iso_report_source *source)
+{
+    char *images = source->dir ? iso_path_join(source->dir, "images") : NULL;
+    const bool there = images && iso_path_is_dir(images);
+    free(images);
+    return there;
+}
+
+char *iso_report_source_picture(const iso_report_source *source, const char *name, const char *suffix)
+{
+    char *path = NULL;
+    return asprintf(&path, "%s/images/%s.%s", source->dir, name, suffix) < 0 ? NULL : path;
+}
+
+bool iso_report_is_picture_name(const char *name)
+{
+    return name[0] && name[0] != '.' && !strchr(name, '/') && !iso_words_has_control(name);
 }

@@ -37,4 +37,20 @@ bool iso_sections_hold(const json_t *report);
 iso_status iso_report_load(const char *path, json_t **report, iso_error *err);
 iso_status iso_report_check(const json_t *report, const char *path, iso_error *err);
 
+/* A loaded report and its folder. Release with iso_report_source_close() in every case. */
+typedef struct iso_report_source {
+    const char *path; /* path that the user gave, borrowed */
+    char *dir;        /* folder of the pictures; or NULL */
+    json_t *root;     /* report.json */
+} iso_report_source;
+iso_status iso_report_source_open(iso_report_source *source, const char *path, iso_error *err);
+void iso_report_source_close(iso_report_source *source);
+
+/* False if only its report.json was kept. */
+bool iso_report_source_has_pictures(const iso_report_source *source);
+/* Returns the path of a picture of the report, to be freed; NULL: out of memory. suffix: "exr" or "png". */
+char *iso_report_source_picture(const iso_report_source *source, const char *name, const char *suffix);
+/* True if a picture's name is a plain word. Reports of others may contain paths here. */
+bool iso_report_is_picture_name(const char *name);
+
 #endif

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "render/sampler.h"
+#include "tf/color_space.h"
 #include "validate/calibration_stage.h"
 
 /* STRIDE: every second pixel of every second row serves as well, in a quarter of the time. */
@@ -22,16 +23,30 @@ enum {
  * much. The mistakes change pictures by ten times that. */
 static const double EXPLAINED_RMSE = 6e-3;
 
+/* Curves of displays. */
+typedef enum curve { LINEAR, SRGB, GAMMA } curve;
+
+static double encode(curve c, double linear)
+{
+    return c == SRGB ? iso_linear_to_srgb(linear) : c == GAMMA ? pow(fmax(linear, 0), 1 / 2.2) : linear;
+}
+
+static double decode(curve c, double value)
+{
+    return c == SRGB ? iso_srgb_to_linear(value) : c == GAMMA ? pow(fmax(value, 0), 2.2) : value;
+}
+
 /* The mistakes in a picture. A right one has factors of 1, and 0 otherwise. */
 typedef struct wrong {
     iso_vec3 shift;   /* of lookups, in voxels */
     bool mirrored[3]; /* lookups along an axis */
     bool nearest;     /* lookups without interpolation */
-    double extinction, gamma, range_entries, pixel_x, pixel_y;
+    double extinction, range_entries, pixel_x, pixel_y;
+    curve tf, picture; /* of colors; alpha has none */
     bool linear_alpha; /* sigma length in place of 1 - exp(-sigma length) */
     bool swaps_xy, by_matrix, raw_normals, unlit, one_sided, one_sided_diffuse, other_light, other_diffuse_light;
     bool reversed, other_eye, one_eye;
-    bool rows_up, alpha_twice, no_alpha, srgb, swaps_channels, clipped;
+    bool rows_up, alpha_twice, no_alpha, swaps_channels, clipped;
 } wrong;
 
 /* function, what a renderer draws as if, the change */
@@ -54,7 +69,8 @@ typedef struct wrong {
     X(half_extinction, "extinction were half", w->extinction = 0.5)                                                 \
     X(double_extinction, "extinction were double", w->extinction = 2)                                               \
     X(linear_alpha, "opacity were extinction times length, without exp", w->linear_alpha = true)                    \
-    X(tf_srgb, "the TF's colors were taken for sRGB", w->gamma = 2.2)                                               \
+    X(tf_srgb, "the TF's colors were taken for sRGB", w->tf = SRGB)                                                 \
+    X(tf_gamma, "the TF's colors were taken for values with a gamma of 2.2", w->tf = GAMMA)                         \
     X(tf_range, "the TF's range were off by one entry", w->range_entries = 1)                                       \
     X(swaps_xy, "x and y of the directions were exchanged", w->swaps_xy = true)                                     \
     X(by_matrix, "gradients went to the world by the matrix itself", w->by_matrix = true)                           \
@@ -74,7 +90,8 @@ typedef struct wrong {
     X(rows_up, "the first row were the bottom one", w->rows_up = true)                                              \
     X(alpha_twice, "color were multiplied by alpha twice", w->alpha_twice = true)                                   \
     X(no_alpha, "color were not multiplied by alpha", w->no_alpha = true)                                           \
-    X(srgb, "the picture were in sRGB", w->srgb = true)                                                             \
+    X(srgb, "the picture were in sRGB", w->picture = SRGB)                                                          \
+    X(gamma, "the picture had a gamma of 2.2", w->picture = GAMMA)                                                  \
     X(channels, "red and blue were exchanged", w->swaps_channels = true)                                            \
     X(clipped, "the picture were clipped at 1", w->clipped = true)
 /* clang-format on */
@@ -223,7 +240,7 @@ static void spoil_pixel(const wrong *w, double rgba[4])
         rgba[2] = red;
     }
     for (int c = 0; c < 4; ++c) {
-        rgba[c] = w->srgb ? pow(rgba[c], 1 / 2.2) : rgba[c];
+        rgba[c] = c < 3 ? encode(w->picture, rgba[c]) : rgba[c];
         rgba[c] = w->clipped ? fmin(rgba[c], 1) : rgba[c];
     }
 }
@@ -284,14 +301,14 @@ static void end_stages(stages *all)
 static void draw_wrong(const stages *all, int check, size_t a, size_t b, size_t stride, float *picture)
 {
     scene s = all->scene[check];
-    s.w = (wrong){.extinction = 1, .gamma = 1};
+    s.w = (wrong){.extinction = 1};
     if (a != NONE)
         mistakes[a].make(&s.w);
     if (b != NONE)
         mistakes[b].make(&s.w);
     float entries[4 * ISO_CALIBRATION_TF_ENTRIES];
     for (size_t i = 0; i < 4 * ISO_CALIBRATION_TF_ENTRIES; ++i)
-        entries[i] = i % 4 == 3 ? s.view->tf.entries[i] : (float)pow((double)s.view->tf.entries[i], s.w.gamma);
+        entries[i] = i % 4 == 3 ? s.view->tf.entries[i] : (float)decode(s.w.tf, (double)s.view->tf.entries[i]);
     s.tf = s.view->tf;
     s.tf.entries = entries;
     s.tf.hi += s.w.range_entries * (s.tf.hi - s.tf.lo) / (double)(s.tf.count - 1);

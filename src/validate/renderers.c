@@ -184,6 +184,10 @@ static iso_status add_to_report(iso_validation *v, const fitness *f, iso_error *
     if (status == ISO_OK && f->failure != ISO_OK)
         status = iso_report_add_calibration(v->report, &absent, err);
     iso_report_put(v->report, "versions", f->which->title, json_string(f->version));
+    iso_report_put(v->report, "renderers", f->which->name,
+                   json_pack("{s:s, s:s, s:o, s:o, s:s*}", "title", f->which->title, "version", f->version, "draws",
+                             iso_renderer_features(f->which, false), "lacks", iso_renderer_features(f->which, true),
+                             "why", f->which->lock_step ? f->which->lock_step->why : NULL));
     return status;
 }
 

@@ -11,11 +11,12 @@ import {chromiumVersion, drawers, withPage} from './chromium.mjs';
 import {readNrrdHeader, writeExr} from './files.mjs';
 
 const here = dirname(fileURLToPath(import.meta.url)), [library, ...options] = process.argv.slice(2);
+const fetched = join(here, '../../../build/web');
 const packages = {vtkjs: ['vtk.js', '@kitware/vtk.js'], niivue: ['NiiVue', '@niivue/niivue']};
 
 const version = () => {
     const [title, name] = packages[library];
-    const {version: number} = JSON.parse(readFileSync(join(here, 'node_modules', name, 'package.json')));
+    const {version: number} = JSON.parse(readFileSync(join(fetched, 'node_modules', name, 'package.json')));
     return `${title} ${number}, ${chromiumVersion()}`;
 };
 
@@ -34,7 +35,7 @@ const render = async (path, gl, changes) => {
         throw new Error(`${path}: "${request.schema}" is not isoshade.request/1`);
     const file = join(folder, request.volume.file), header = readNrrdHeader(file);
     const asked = {...request, changes, samples: {...header, url: pathToFileURL(file).href}};
-    await withPage(join(here, 'node_modules', '.isoshade', `${library}.html`), gl, async call => {
+    await withPage(join(fetched, `${library}.html`), gl, async call => {
         await call('prepare', asked);
         for (const frame of request.frames) {
             const {base64, floats} = await call('draw', frame), bytes = Buffer.from(base64, 'base64');
@@ -47,7 +48,7 @@ const render = async (path, gl, changes) => {
 try {
     if (!(library in packages))
         throw new Error(`render.mjs: the libraries are ${Object.keys(packages).join(' and ')}`);
-    if (!existsSync(join(here, 'node_modules', '.isoshade', `${library}.html`)))
+    if (!existsSync(join(fetched, `${library}.html`)))
         throw new Error(`${packages[library][0]} is not here: sh ${join(here, 'fetch.sh')} fetches it`);
     const after = name => options.filter((_, i) => options[i - 1] === name), [gl = 'egl'] = after('--gl');
     if (!drawers.includes(gl))
