@@ -95,4 +95,51 @@ check to_the_same_bytes same one.iso no.iso
 # Planted: a file that differs in one byte is found.
 printf 'x' | dd of=no.iso/level_1_dir.nrrd bs=1 seek=5000 conv=notrunc 2>/dev/null
 check one_byte_would_be_seen bash -c '! diff -rq one.iso no.iso >/dev/null'
+
+# ---- validate: ranks share the pictures -------------------------------------------------------------------------------
+"$ISOSHADE" make shells --size 24x20x22 -o shells.nrrd -q || exit 1
+validate() { # FOLDER, options: a report in FOLDER/r; by RANKS ranks
+    mkdir -p "$1" && (cd "$1" && patiently ${RANKS:+mpirun -n $RANKS --oversubscribe} "$ISOSHADE" validate ../shells.nrrd \
+        --scene "$top/refscenes/shells.scene.json" --quick --with cpu --threads 1 -o r "${@:2}")
+}
+# The report without times, and without the work of the rank that writes it.
+facts() {
+    python3 - "$1/r/report.json" <<'EOF'
+import json, sys
+def without(value):
+    if isinstance(value, dict):
+        times = ("seconds", "processor_seconds", "work", "made")
+        return {key: without(part) for key, part in value.items() if key not in times}
+    return [without(part) for part in value] if isinstance(value, list) else value
+print(json.dumps(without(json.load(open(sys.argv[1]))), indent=1))
+EOF
+}
+same_report() { facts "$1" >first.txt && facts "$2" >second.txt && [ "$(wc -l <first.txt)" -gt 100 ] && cmp first.txt second.txt; }
+pictures() { python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["work"]["pictures"])' "$1/r/report.json"; }
+by_two() { RANKS=2 validate "$@"; }
+other_is_seen() { ! same_report alone other; }
+expect one_rank_validates 0 validate alone --size 32
+expect two_ranks_validate 0 by_two two --size 32
+check with_the_same_report same_report alone two
+check of_which_each_drew_a_part test "$(pictures two)" -lt "$(pictures alone)"
+check the_pictures_are_removed test ! -e two/r.work
+expect another_size_validates 0 validate other --size 33
+check and_another_report_would_be_seen other_is_seen
+
+# The process of rank 1 that works, a child of the one that mpirun started, is killed while it draws.
+of_rank_1() {
+    pgrep -x isoshade | while read -r p; do
+        grep -qz OMPI_COMM_WORLD_RANK=1 /proc/$p/environ && [ "$(readlink /proc/$p/cwd)" = "$dir/killed" ] && echo "$p"
+    done 2>/dev/null
+}
+kill_worker() {
+    until [ -n "$(ls killed/r.work/*.picture 2>/dev/null)" ] && [ "$(of_rank_1 | wc -l)" = 2 ]; do sleep 0.01; done
+    kill -9 "$(of_rank_1 | tail -n 1)"
+}
+kill_worker &
+expect a_rank_that_dies_does_not_end_the_job 0 by_two killed --size 48
+kill $! 2>/dev/null
+check it_is_reported grep -q 'rank 1 died of signal 9' err
+expect the_same_alone 0 validate whole --size 48
+check and_its_pictures_are_drawn same_report whole killed
 exit $failed

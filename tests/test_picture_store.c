@@ -55,7 +55,7 @@ static void open_store(const char *work, bool keep, iso_picture_store **store)
     iso_key *key = iso_key_create();
     assert_non_null(key);
     assert_ok(iso_picture_store_open(work, store, &err));
-    assert_ok(iso_picture_store_begin(*store, keep, key, &err));
+    assert_ok(iso_picture_store_begin(*store, keep, key, &(iso_ranks_place){.count = 1}, &err));
     iso_key_destroy(key);
 }
 
@@ -85,6 +85,37 @@ TEST(killed_at_any_removal_it_blocks_no_later_run)
         }
         assert_true(kills > PICTURES + 2); /* with the marker and the folder */
     }
+}
+
+static int ended_count;
+
+static void note_end(void)
+{
+    ++ended_count;
+}
+
+/* Rank 1 of three joins the store that rank 0 of its job has begun, and leaves it to rank 0. */
+TEST(ranks_share_a_store)
+{
+    FREED char *work = iso_path_join(folder, "shared.work");
+    const iso_ranks_place first = {0, 3, "job 7 "}, second = {1, 3, "job 7 "};
+    iso_key *key = iso_key_create();
+    iso_picture_store *mine, *joined;
+    assert_non_null(key);
+    assert_ok(iso_picture_store_open(work, &mine, &err));
+    assert_ok(iso_picture_store_begin(mine, false, key, &first, &err));
+    assert_ok(iso_picture_store_join(work, key, &second, note_end, &joined, &err));
+    const iso_picture_share a = iso_picture_store_share(mine, 10), b = iso_picture_store_share(joined, 10);
+    assert_true(a.first == 0 && a.end == 3 && b.first == 3 && b.end == 6);
+    const iso_picture_share alone = iso_picture_store_share(NULL, 10);
+    assert_int_equal(alone.end, 0);
+    put_pictures(work);
+    iso_picture_store_close(joined, true);
+    assert_true(iso_path_exists(work));
+    iso_picture_store_close(mine, true);
+    assert_false(iso_path_exists(work));
+    assert_int_equal(ended_count, 0);
+    iso_key_destroy(key);
 }
 
 TEST_MAIN(make_folder, remove_folder)

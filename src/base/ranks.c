@@ -3,12 +3,19 @@
 #include "base/ranks.h"
 
 #include <dlfcn.h>
+#include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "base/helper.h"
+#include "base/path.h"
 #include "base/ranks_interface.h"
+#include "base/temporary.h"
 
 struct iso_ranks {
     const iso_ranks_interface *interface;
@@ -29,6 +36,48 @@ static int from_environment(const char *open_mpi, const char *pmi, int missing)
 int iso_ranks_is_other(void)
 {
     return from_environment("OMPI_COMM_WORLD_RANK", "PMI_RANK", 0) > 0;
+}
+
+iso_ranks_place iso_ranks_find_place(void)
+{
+    static const char *const jobs[] = {"PMIX_NAMESPACE", "OMPI_MCA_ess_base_jobid", "SLURM_JOB_ID", "SLURM_STEP_ID"};
+    const int slurm_index = from_environment("SLURM_PROCID", "PMI_RANK", 0),
+              slurm_count = from_environment("SLURM_NTASKS", "PMI_SIZE", 1);
+    iso_ranks_place p = {.index = from_environment("OMPI_COMM_WORLD_RANK", "PMI_RANK", slurm_index),
+                         .count = from_environment("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", slurm_count)};
+    size_t length = 0;
+    for (size_t i = 0; i < sizeof jobs / sizeof *jobs; ++i) {
+        const char *text = getenv(jobs[i]);
+        if (text && length < sizeof p.job)
+            length += (size_t)snprintf(p.job + length, sizeof p.job - length, "%s ", text);
+    }
+    if (p.count < 1 || p.index < 0 || p.index >= p.count)
+        p.index = 0, p.count = 1;
+    return p;
+}
+
+static void work_as_child(pid_t parent, void (*work)(void *user, const char *folder), void *user, const char *folder)
+{
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() == parent && freopen("/dev/null", "w", stdout) && freopen("/dev/null", "w", stderr))
+        work(user, folder);
+    _exit(EXIT_SUCCESS);
+}
+
+int iso_ranks_run_apart(void (*work)(void *user, const char *folder), void *user)
+{
+    char *folder = iso_make_temp_dir();
+    int state = 0;
+    fflush(NULL);
+    const pid_t parent = getpid(), child = folder ? fork() : -1;
+    if (child == 0)
+        work_as_child(parent, work, user, folder);
+    while (child > 0 && waitpid(child, &state, 0) < 0 && errno == EINTR)
+        ;
+    if (folder)
+        iso_remove_tree(folder);
+    free(folder);
+    return child > 0 && WIFSIGNALED(state) ? WTERMSIG(state) : 0;
 }
 
 /* Loads isoshade_mpi.so, with its symbols visible to MPI's own libraries. */

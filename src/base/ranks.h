@@ -24,6 +24,17 @@ int iso_ranks_count(const iso_ranks *ranks);
 /* True for a rank other than 0. Reads the environment that mpirun sets, so it can be called before iso_ranks_open(). */
 int iso_ranks_is_other(void);
 
+/* Place of this process among those that mpirun or srun started, without MPI: for work that shares a folder and
+ * survives the death of a rank. */
+typedef struct iso_ranks_place {
+    int index, count; /* 0 and 1 if nothing started several */
+    char job[128];    /* the same for all ranks of a job, another one for the next; may be empty */
+} iso_ranks_place;
+iso_ranks_place iso_ranks_find_place(void);
+/* Runs the work in a child process with a private folder, which is removed afterwards. This process survives its failure
+ * or death. Call it before threads are started. Returns the signal that ended the child, or 0. */
+int iso_ranks_run_apart(void (*work)(void *user, const char *folder), void *user);
+
 /* Waits for all ranks. All return the status and the message of the first rank that failed. */
 iso_status iso_ranks_agree(iso_ranks *ranks, iso_status status, iso_error *err);
 /* Copies the data of rank 0 to all ranks. */

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "base/json.h"
@@ -12,6 +13,7 @@
 #include "base/parallel.h"
 #include "base/process.h"
 #include "base/provenance.h"
+#include "base/ranks.h"
 #include "base/unfinished.h"
 #include "base/work.h"
 #include "cli/made_volume.h"
@@ -143,16 +145,26 @@ static iso_status open_store(const iso_validate_arguments *a, iso_picture_store 
     return status;
 }
 
-static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cli, iso_picture_store *store,
+/* Ends a rank whose pictures nobody needs any more. */
+static void end_rank(void)
+{
+    _exit(EXIT_SUCCESS);
+}
+
+static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cli, iso_picture_store **store,
                               iso_error *err)
 {
+    const iso_ranks_place place = iso_ranks_find_place();
     /* Options that choose the pictures; each picture's own hash has the rest. */
     static const char *const without[] = {"threads", "with",  "levels",     "budget", "anyway",
                                           "viewer",  "junit", "summary-md", NULL};
     iso_key *key = iso_cli_key(cli, without);
     iso_status status = key ? iso_key_add_surroundings(key, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_picture_store_begin(store, a->resume, key, err));
-    if (status == ISO_OK)
+    if (status == ISO_OK && a->shared)
+        status = iso_picture_store_join(a->shared, key, &place, end_rank, store, err);
+    else if (status == ISO_OK)
+        status = iso_picture_store_begin(*store, a->resume, key, &place, err);
+    if (status == ISO_OK && !a->shared)
         iso_unfinished_say(last_words);
     iso_key_destroy(key);
     return status;
@@ -276,7 +288,8 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
                                   &view, err));
     TRY(status, check_visible(a, cli, pyramid, &view, err));
     TRY(status, iso_report_create(&v.report, a->output, &about, err));
-    TRY(status, begin_store(a, cli, *store, err));
+    TRY(status, begin_store(a, cli, store, err));
+    v.renderers.store = *store;
     if (status == ISO_OK) {
         describe_options(a, &v, pyramid->options.code);
         begin_budget(a, &v);
@@ -389,7 +402,8 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
     if (status == ISO_OK && a->look.size)
         status = iso_subject_parse_image_size(a->look.size, &suite.width, &suite.height, err);
     TRY(status, iso_report_create(&v.report, a->output, &about, err));
-    TRY(status, begin_store(a, cli, *store, err));
+    TRY(status, begin_store(a, cli, store, err));
+    v.renderers.store = *store;
     if (status == ISO_OK) {
         describe_options(a, &v, build->code);
         begin_budget(a, &v);
@@ -421,7 +435,8 @@ static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *
     build.threads = cli->threads;
     TRY(status, iso_validate_check_arguments(a, cli, &build, err));
     TRY(status, iso_cli_take_cycles(&a->cycles, a->with, err));
-    TRY(status, open_store(a, &store, err));
+    if (status == ISO_OK && !a->shared)
+        status = open_store(a, &store, err);
     if (status != ISO_OK)
         return status;
     status = a->suite ? validate_suite(a, cli, &build, &store, err) : load_and_validate(a, cli, &build, &store, err);
@@ -470,12 +485,64 @@ static const iso_option options[] = {
     ISO_OPTIONS_END,
 };
 
+/* Private folder of a rank other than 0, or NULL. */
+static const char *rank_folder;
+
+/* Lets a rank other than 0 run the whole validation for the pictures. Its report is dropped with the folder. */
+static iso_status be_other_rank(iso_validate_arguments *a, iso_error *err)
+{
+    if (!a->output)
+        return iso_fail(err, ISO_E_USAGE, "-o is missing");
+    a->shared = store_folder(a);
+    free(a->output);
+    a->output = iso_path_join(rank_folder, "report");
+    free(a->junit);
+    free(a->summary_md);
+    a->junit = a->summary_md = NULL;
+    a->viewer = a->resume = 0;
+    return a->shared && a->output ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+}
+
 static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     iso_validate_arguments *a = values;
+    iso_cli of_rank = *cli;
+    of_rank.quiet = cli->quiet || rank_folder;
     if (a->gl_device)
         setenv(ISO_GL_DEVICE_VARIABLE, a->gl_device, 1);
-    return check_and_run(a, cli, err);
+    iso_status status = rank_folder ? be_other_rank(a, err) : ISO_OK;
+    TRY(status, check_and_run(a, &of_rank, err));
+    free(a->shared);
+    return status;
+}
+
+typedef struct other_rank {
+    const iso_command *self;
+    int argc;
+    const char **argv;
+} other_rank;
+
+static void run_other_rank(void *user, const char *folder)
+{
+    const other_rank *r = user;
+    iso_error err;
+    rank_folder = folder;
+    iso_command_run(r->self, r->argc, r->argv, &err);
+}
+
+/* A rank other than 0 works in a child: if that dies, the job goes on, and the others draw its pictures. */
+static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const char **argv, iso_error *err)
+{
+    const int index = iso_ranks_find_place().index;
+    iso_command alone = *self;
+    alone.run_words = NULL;
+    if (index == 0)
+        return iso_command_run(&alone, argc, argv, err);
+    const int signal = iso_ranks_run_apart(run_other_rank, &(other_rank){&alone, argc, argv});
+    if (signal != 0)
+        fprintf(stderr, "isoshade validate: warning: rank %d died of signal %d; the others draw its pictures\n", index,
+                signal);
+    return ISO_OK;
 }
 
 const iso_command iso_command_validate = {
@@ -500,7 +567,9 @@ const iso_command iso_command_validate = {
         "shows less than .1 % of the voxels or of the picture, or a box whose faces are opaque to more than 98 % (--anyway);\n"
         "7: a renderer is missing; 9: one failed its calibration.\n"
         "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json, for commands in the\n"
-        "report. A file of that name is replaced only if validate wrote it and it is unchanged (otherwise exit code 3).",
+        "report. A file of that name is replaced only if validate wrote it and it is unchanged (otherwise exit code 3).\n"
+        "Under mpirun or srun, such as mpirun -n 4 isoshade validate VOLUME -o DIR, ranks share the pictures by DIR.work,\n"
+        "which all must see. Each has its own programs and temporary folder. If one dies, others draw its pictures.",
     .common =
         "output scene tf view size with levels quick images suite budget resume junit viewer renderers blender timeout",
     .examples =
@@ -513,4 +582,5 @@ const iso_command iso_command_validate = {
     .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
     ISO_COMMAND_OPTIONS(iso_validate_arguments, options, .budget = ISO_NO_BUDGET),
     .run = run,
+    .run_words = run_alone_or_as_rank,
 };

@@ -18,6 +18,7 @@ typedef struct iso_validate_arguments {
     iso_volume_input input;
     iso_cli_look look;
     char *output, *with, *renderers, *gl_device, *code, *junit, *summary_md, *suite, **images;
+    char *shared; /* of a rank other than 0: folder of rank 0's pictures; or NULL */
     iso_cli_cycles cycles;
     double budget;
     int level_count, seeds, quick, limit_size, level_views, level_size, resume, anyway, extinction_scale, viewer;

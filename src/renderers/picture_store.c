@@ -10,7 +10,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -25,6 +27,9 @@ struct iso_picture_store {
     char key[ISO_KEY_DIGEST_BYTES];
     char renderers[ISO_MAX_RENDERERS][ISO_KEY_DIGEST_BYTES]; /* set before threads share the store */
     atomic_size_t taken;
+    iso_ranks_place place;
+    int claims;          /* descriptor of the file whose bytes are locked; -1: there is one rank */
+    void (*ended)(void); /* of a rank other than 0 */
 };
 
 /* ---- the folder ---- */
@@ -33,6 +38,8 @@ struct iso_picture_store {
 #define MARKER "isoshade-pictures"
 static const char marker_text[] = "Pictures that isoshade validate keeps until its report is complete.\n";
 static const char suffix[] = ".picture";
+/* With several ranks: it names the job, and its bytes stand for pictures that a rank draws. */
+#define CLAIMS "isoshade-ranks"
 
 enum { HASH_DIGITS = 32 };
 
@@ -44,7 +51,8 @@ static bool is_temporary(const char *name)
 /* True for the marker, a picture, or a temporary file of either that a killed run has left. */
 static bool is_own_name(const char *name)
 {
-    if (strcmp(name, MARKER) == 0 || (is_temporary(name) && iso_path_ends_with(name, "-" MARKER)))
+    if (strcmp(name, MARKER) == 0 || strcmp(name, CLAIMS) == 0 ||
+        (is_temporary(name) && (iso_path_ends_with(name, "-" MARKER) || iso_path_ends_with(name, "-" CLAIMS))))
         return true;
     return iso_path_ends_with(name, suffix) &&
            (is_temporary(name) || (strspn(name, "0123456789abcdef") == HASH_DIGITS &&
@@ -174,11 +182,37 @@ iso_status iso_picture_store_open(const char *folder, iso_picture_store **store,
         return status;
     }
     s->lock = lock.fd;
+    s->claims = -1;
     *store = s;
     return ISO_OK;
 }
 
-iso_status iso_picture_store_begin(iso_picture_store *store, bool keep, const iso_key *key, iso_error *err)
+/* Opens the file of claims if it is that of the job. -1: it is not there. */
+static int open_claims(const char *folder, const iso_ranks_place *place)
+{
+    char *path = iso_path_join(folder, CLAIMS), job[sizeof place->job] = "";
+    const int fd = path ? open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW) : -1;
+    free(path);
+    const ssize_t length = fd >= 0 ? read(fd, job, sizeof job) : -1;
+    if (length >= 0 && (size_t)length == strlen(place->job) && memcmp(job, place->job, (size_t)length) == 0)
+        return fd;
+    if (fd >= 0)
+        close(fd);
+    return -1;
+}
+
+static iso_status begin_claims(iso_picture_store *store, const iso_ranks_place *place, iso_error *err)
+{
+    char *path = iso_path_join(store->folder, CLAIMS);
+    iso_status status = path ? iso_file_write(path, place->job, strlen(place->job), err)
+                             : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", store->folder);
+    free(path);
+    store->claims = status == ISO_OK ? open_claims(store->folder, place) : -1;
+    return status;
+}
+
+iso_status iso_picture_store_begin(iso_picture_store *store, bool keep, const iso_key *key,
+                                   const iso_ranks_place *place, iso_error *err)
 {
     if (!iso_key_digest(key, store->key))
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", store->folder);
@@ -186,7 +220,45 @@ iso_status iso_picture_store_begin(iso_picture_store *store, bool keep, const is
     if (!keep)
         remove_pictures(store->folder);
     store->began = true;
+    store->place = *place;
+    return place->count > 1 ? begin_claims(store, place, err) : ISO_OK;
+}
+
+iso_status iso_picture_store_join(const char *folder, const iso_key *key, const iso_ranks_place *place,
+                                  void (*ended)(void), iso_picture_store **store, iso_error *err)
+{
+    enum { PAUSES = 120 * 20 }; /* two minutes: rank 0 reads the same volume */
+    const struct timespec pause = {.tv_nsec = 50 * 1000000};
+    int claims;
+    *store = NULL;
+    for (int pauses = 0; (claims = open_claims(folder, place)) < 0 && pauses < PAUSES; ++pauses)
+        nanosleep(&pause, NULL);
+    if (claims < 0)
+        return iso_fail(err, ISO_E_IO, "%s: rank 0 has not begun to draw", folder);
+    iso_picture_store *s = calloc(1, sizeof *s);
+    const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (!s || fd < 0 || !(s->folder = strdup(folder)) || !iso_key_digest(key, s->key)) {
+        if (fd >= 0)
+            close(fd);
+        close(claims);
+        free(s);
+        return iso_fail(err, ISO_E_IO, "%s: cannot be opened", folder);
+    }
+    s->lock = fd;
+    s->claims = claims;
+    s->place = *place;
+    s->ended = ended;
+    s->began = true;
+    *store = s;
     return ISO_OK;
+}
+
+iso_picture_share iso_picture_store_share(const iso_picture_store *s, size_t count)
+{
+    if (!s || s->claims < 0)
+        return (iso_picture_share){0, 0};
+    const size_t index = (size_t)s->place.index, ranks = (size_t)s->place.count;
+    return (iso_picture_share){count * index / ranks, count * (index + 1) / ranks};
 }
 
 void iso_picture_store_close(iso_picture_store *store, bool remove)
@@ -194,11 +266,14 @@ void iso_picture_store_close(iso_picture_store *store, bool remove)
     size_t count = 0;
     if (!store)
         return;
+    remove = remove && !store->ended; /* rank 0 removes it */
     if (!store->began)
         remove = visit_folder(store->folder, check_entry, &count, NULL) == ISO_OK && count <= 1; /* only the marker */
     if (remove)
         remove_folder(store->folder);
     iso_unfinished_drop(store->folder);
+    if (store->claims >= 0)
+        close(store->claims);
     close(store->lock);
     free(store->folder);
     free(store);
@@ -299,21 +374,30 @@ static void add_frame(XXH3_state_t *h, const iso_render_options *o)
                 10);
 }
 
-static char *path_of(const iso_picture_store *s, const iso_render_request *q, const iso_render_options *frame)
+static bool hash_of(const iso_picture_store *s, const iso_render_request *q, const iso_render_options *frame,
+                    XXH128_hash_t *hash)
 {
     XXH3_state_t *h = XXH3_createState();
-    char *path = NULL;
     if (!h || XXH3_128bits_reset(h) != XXH_OK) {
         XXH3_freeState(h);
-        return NULL;
+        return false;
     }
     add_text(h, s->key);
     add_text(h, s->renderers[iso_renderer_index(frame->renderer)]);
     add_frame(h, frame);
     add_view(h, q->view);
     add_level(h, q->pyramid, q->level);
-    const XXH128_hash_t hash = XXH3_128bits_digest(h);
+    *hash = XXH3_128bits_digest(h);
     XXH3_freeState(h);
+    return true;
+}
+
+static char *path_of(const iso_picture_store *s, const iso_render_request *q, const iso_render_options *frame)
+{
+    XXH128_hash_t hash;
+    char *path = NULL;
+    if (!hash_of(s, q, frame, &hash))
+        return NULL;
     if (asprintf(&path, "%s/%016llx%016llx%s", s->folder, (unsigned long long)hash.high64,
                  (unsigned long long)hash.low64, suffix) < 0)
         return NULL;
@@ -348,6 +432,50 @@ static bool load(const char *path, const iso_view *view, iso_image *image)
         memcpy(image->rgba, bytes + sizeof about, wanted);
     free(bytes);
     return good;
+}
+
+/* ---- claims ---- */
+
+/* True in a thread that draws: it waits for no other picture, so that no two ranks wait for each other. */
+static _Thread_local bool draws;
+
+/* Locks or unlocks one byte of the file, which need not exist. */
+static void lock_byte(const iso_picture_store *s, uint64_t claim, short type)
+{
+    struct flock byte = {.l_type = type, .l_whence = SEEK_SET, .l_start = (off_t)claim, .l_len = 1};
+    while (fcntl(s->claims, F_OFD_SETLKW, &byte) < 0 && errno == EINTR)
+        ;
+}
+
+/* True if rank 0 has closed its store, or died: its lock is gone. */
+static bool has_ended(const iso_picture_store *s)
+{
+    const bool is_free = flock(s->lock, LOCK_SH | LOCK_NB) == 0;
+    if (is_free)
+        flock(s->lock, LOCK_UN);
+    return is_free;
+}
+
+uint64_t iso_picture_store_claim(iso_picture_store *s, const iso_render_request *q, const iso_render_options *frame)
+{
+    enum { NUMBER_BITS = 62 };
+    XXH128_hash_t hash;
+    if (!s || s->claims < 0 || draws || !is_kept(s, q, frame) || !hash_of(s, q, frame, &hash))
+        return 0;
+    if (s->ended && has_ended(s))
+        s->ended();
+    const uint64_t claim = (hash.low64 >> (64 - NUMBER_BITS)) | 1;
+    lock_byte(s, claim, F_WRLCK);
+    draws = true;
+    return claim;
+}
+
+void iso_picture_store_release(iso_picture_store *s, uint64_t claim)
+{
+    if (claim == 0)
+        return;
+    draws = false;
+    lock_byte(s, claim, F_UNLCK);
 }
 
 bool iso_picture_store_find(iso_picture_store *s, const iso_render_request *q, const iso_render_options *frame,

@@ -190,19 +190,15 @@ static iso_status apply_hook(const iso_render_request *q, iso_image *image, iso_
     return status;
 }
 
-iso_status iso_render_with(const iso_render_request *frame, iso_image *image, double *seconds, iso_error *err)
+static iso_status find_or_draw(const iso_render_request *frame, iso_image *image, double *seconds, iso_error *err)
 {
     const iso_render_options *opt = frame->options;
     const bool is_program = iso_renderer_has(opt->renderer, ISO_IS_PROGRAM);
     iso_render_stats stats = {0};
-    *image = (iso_image){0};
-    iso_status status = check(frame, err);
-    if (status != ISO_OK)
-        return status;
     if (iso_picture_store_find(frame->renderers->store, frame, opt, image))
         return ISO_OK;
     const double start = iso_clock_seconds();
-    status = opt->renderer->render(frame, image, &stats, err);
+    iso_status status = opt->renderer->render(frame, image, &stats, err);
     count_picture(frame, opt);
     const double all = iso_clock_seconds() - start;
     if (stats.count == 0)
@@ -216,6 +212,19 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
         *seconds = !is_program && stats.setup_seconds > 0 ? stats.seconds : all;
     if (opt->stats)
         *opt->stats = stats;
+    return status;
+}
+
+iso_status iso_render_with(const iso_render_request *frame, iso_image *image, double *seconds, iso_error *err)
+{
+    struct iso_picture_store *store = frame->renderers->store;
+    *image = (iso_image){0};
+    iso_status status = check(frame, err);
+    if (status != ISO_OK)
+        return status;
+    const uint64_t claim = iso_picture_store_claim(store, frame, frame->options);
+    status = find_or_draw(frame, image, seconds, err);
+    iso_picture_store_release(store, claim);
     return status;
 }
 
@@ -257,6 +266,7 @@ static iso_status render_stored(const iso_render_request *q, size_t count, iso_i
     iso_render_request rest = *q;
     size_t lacking = 0;
     iso_status status = frames && drawn ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", count);
+    const uint64_t claim = count > 0 ? iso_picture_store_claim(store, q, q->options) : 0;
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         if (!iso_picture_store_find(q->renderers->store, q, &q->options[i], &images[i]))
             frames[lacking++] = q->options[i];
@@ -268,6 +278,7 @@ static iso_status render_stored(const iso_render_request *q, size_t count, iso_i
             images[i] = drawn[next++];
             iso_picture_store_put(store, q, &q->options[i], &images[i]);
         }
+    iso_picture_store_release(store, claim);
     for (size_t i = 0; i < count && status != ISO_OK; ++i)
         iso_image_destroy(&images[i]);
     free(drawn);
@@ -365,6 +376,7 @@ static iso_status render_together(const iso_render_request *scenes, size_t count
     iso_image drawn[ISO_RENDER_MAX_SCENES] = {{0}};
     size_t n = 0, next = 0;
     iso_status status = ISO_OK;
+    const uint64_t claim = iso_picture_store_claim(scenes->renderers->store, scenes, scenes->options);
     for (size_t i = 0; i < count && status == ISO_OK; ++i) {
         status = check(&scenes[i], err);
         if (status == ISO_OK &&
@@ -379,6 +391,7 @@ static iso_status render_together(const iso_render_request *scenes, size_t count
         if (status == ISO_OK)
             iso_picture_store_put(scenes->renderers->store, &lacking[i], lacking[i].options, &drawn[i]);
     }
+    iso_picture_store_release(scenes->renderers->store, claim);
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         if (!images[i].rgba)
             images[i] = drawn[next++];

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "renderers/picture_store.h"
 #include "validate/measured.h"
 
 const iso_method iso_methods[] = {
@@ -90,11 +91,26 @@ static bool may_draw(const iso_validation *v, levels_run *run)
     return !run->late;
 }
 
+/* Draws this rank's share of a level's views into the store: ranks that drew all views in the same order would wait for
+ * each other at each. */
+static iso_status draw_share(iso_validation *v, levels_run *run, const iso_pyramid *p, const iso_measured_level *views,
+                             iso_error *err)
+{
+    const iso_picture_share share = iso_picture_store_share(v->renderers.store, v->consistency_views);
+    iso_status status = ISO_OK;
+    for (size_t i = share.first; i < share.end && status == ISO_OK && may_draw(v, run); ++i) {
+        iso_image image = {0};
+        status = iso_validate_render_level(v, p, views, i, &image, err);
+        iso_image_destroy(&image);
+    }
+    return status;
+}
+
 /* Measures the figures of all views, and adds the picture row->image of the first. */
 static iso_status measure_images(iso_validation *v, levels_run *run, const iso_pyramid *p, iso_report_consistency *row,
                                  iso_measured_level *views, iso_error *err)
 {
-    iso_status status = ISO_OK;
+    iso_status status = draw_share(v, run, p, views, err);
     row->ssim_dissimilarity_mean = row->flip_mean = row->rmse_mean = 0;
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK && may_draw(v, run); ++i) {
         iso_image image = {0};
@@ -311,11 +327,11 @@ const iso_method iso_method_stored = {"stored", ISO_DIRECTION_MOMENTS, ISO_FROM_
 
 static iso_status render_finest(iso_validation *v, levels_run *run, const char *what, iso_error *err)
 {
-    iso_status status = ISO_OK;
+    const iso_measured_level stored = {.method = &iso_method_stored};
     begin_part(v, what, 0);
+    iso_status status = draw_share(v, run, v->pyramid, &stored, err);
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK && may_draw(v, run); ++i)
-        status = iso_validate_render_level(v, v->pyramid, &(iso_measured_level){.method = &iso_method_stored}, i, &run->finest[i],
-                                           err);
+        status = iso_validate_render_level(v, v->pyramid, &stored, i, &run->finest[i], err);
     return status;
 }
 

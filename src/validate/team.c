@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* team.c - independent parts of a validation side by side. */
 #include "base/parallel.h"
+#include "renderers/picture_store.h"
 #include "validate/validate.h"
 
 /* Data shared by the workers; members that change are accessed in a critical section only. */
 typedef struct team {
-    size_t count;
-    iso_status status; /* the first failure: nothing more is begun */
+    size_t count, begin; /* begin: the part to begin with, so that ranks do not draw the same pictures */
+    iso_status status;   /* the first failure: nothing more is begun */
     iso_error error;
 } team;
 
@@ -43,7 +44,7 @@ static void work(team *t, const iso_validation *v, int threads, iso_validation_p
     mine.threads = threads;
 #pragma omp for schedule(dynamic, 1)
     for (size_t i = 0; i < t->count; ++i)
-        run_part(t, &mine, v->order, i, part, user);
+        run_part(t, &mine, v->order, (i + t->begin) % t->count, part, user);
     iso_renderers_end(&mine.renderers);
 }
 
@@ -60,7 +61,7 @@ iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_par
 {
     const size_t cores = (size_t)iso_threads(v->threads), workers = iso_validate_workers(v, count);
     const size_t first = v->order;
-    team t = {.count = count};
+    team t = {.count = count, .begin = iso_picture_store_share(v->renderers.store, count).first};
     if (workers > 1 && !iso_is_in_parallel()) {
         /* When one worker is left, its programs are not held to a single core. */
         const int threads = (int)(4 * cores / workers < cores ? 4 * cores / workers : cores);
@@ -68,7 +69,7 @@ iso_status iso_validate_each(iso_validation *v, size_t count, iso_validation_par
         work(&t, v, threads, part, user);
     } else {
         for (size_t i = 0; i < count; ++i)
-            run_part(&t, v, first, i, part, user);
+            run_part(&t, v, first, (i + t.begin) % count, part, user);
     }
     v->order = first + count;
     return t.status == ISO_OK ? ISO_OK : iso_fail(err, t.status, "%s", t.error.text);
