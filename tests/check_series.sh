@@ -56,13 +56,28 @@ if has_cycles; then
     done
     notice and_no_other "$ISOSHADE" compare play_0001.exr p_0002.exr --max-flip 0.02
     check its_frames_are_those_of_the_series test -s play_0003.exr -a ! -e play_0000.exr -a ! -e play_0004.exr
+    # Levels of all frames: the property chooses one, in each frame.
+    mkdir coarse
+    check levels_of_a_series "$ISOSHADE" export 'f_%d.nrrd' --frames all --levels 2 --to blender --scene "$scene" --size 12 \
+        -o levels.blend -q
+    has_files each_level . levels_level_0_0000.vdb levels_level_1_0000.vdb levels_level_1_0002.vdb
+    check a_series_of_the_second "$ISOSHADE" export 'f_%d.nrrd' --frames all --level 1 --to blender --scene "$scene" \
+        --size 12 -o coarse/levels.blend -q
+    for level in 0 1; do
+        blender -b levels.blend --python-text "isoshade agreement" --python-expr "import bpy
+bpy.data.objects['levels']['level'] = $level
+bpy.data.objects['levels'].update_tag()" -o "//at_${level}_" -f 3 >>log 2>&1
+    done
+    blender -b coarse/levels.blend --python-text "isoshade agreement" -f 3 >>log 2>&1
+    check the_second_level_of_the_third_frame "$ISOSHADE" compare at_1_0003.exr coarse/levels_0003.exr --max-flip 0.02
+    check the_first_is_as_without_levels "$ISOSHADE" compare at_0_0003.exr play_0003.exr --max-flip 0.02
+    notice and_is_another "$ISOSHADE" compare at_0_0003.exr coarse/levels_0003.exr --max-flip 0.02
 else
     skip it_plays_them "$lack"
 fi
 
 # ---- what is refused ----
 refuse one_adapted_table 2 '--frames all excludes --adapt' "$ISOSHADE" export 'f_%d.nrrd' --frames all --adapt --to povray -o x
-refuse one_level_a_frame 2 '--frames all excludes --levels' "$ISOSHADE" export 'f_%d.nrrd' --frames all --levels 2 --to blender -o x.blend
 refuse all_or_nothing 2 '--frames is "2", must be all' "$ISOSHADE" render 'f_%d.nrrd' --frames 2 -o x.png
 refuse a_pyramid_has_one 2 'is a pyramid, which has one frame' "$ISOSHADE" render all_0000.iso --frames all -o x.png
 sed 's/sizes: 8 8 8/sizes: 8 4 16/' f_2.nrrd >f_3.nrrd

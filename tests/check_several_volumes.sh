@@ -29,11 +29,18 @@ open("s.scene.json", "w").write('''{"schema": "isoshade.scene/1", "image": {"wid
 PY
 expect two_volumes 0 "$ISOSHADE" export a.nrrd --add b.nrrd,quarter.tf.json --to blender --scene s.scene.json -o ab.blend -q
 expect a_field_and_its_labels 0 "$ISOSHADE" export a.nrrd --add seg.nrrd --to blender --scene s.scene.json -o seg.blend -q
+expect channels_with_levels 0 "$ISOSHADE" export two.nrrd --channels all --levels 2 --to blender --scene s.scene.json \
+    -o levels.blend -q
+expect channels_of_the_second_level 0 "$ISOSHADE" export two.nrrd --channels all --level 1 --to blender --scene s.scene.json \
+    -o second.blend -q
+expect labels_with_levels 0 "$ISOSHADE" export a.nrrd --add seg.nrrd --levels 2 --to blender --scene s.scene.json \
+    -o both.blend -q
 expect channels 0 "$ISOSHADE" export two.nrrd --channels all --to blender --scene s.scene.json -o channels.blend
 has_cycles && check each_has_a_color grep -q 'channel_1: magenta' out
 for s in a b; do "$ISOSHADE" export $s.nrrd --to blender --scene s.scene.json -o $s.blend -q >out 2>err || not_ok single "$(cat err)"; done
 if has_cycles; then
-    has_files grids . ab_a.vdb ab_b.vdb seg_a.vdb seg_seg.vdb channels_channel_0.vdb channels_channel_1.vdb
+    has_files grids . ab_a.vdb ab_b.vdb seg_a.vdb seg_seg.vdb channels_channel_0.vdb channels_channel_1.vdb \
+        levels_channel_1_level_0.vdb levels_channel_1_level_1.vdb both_seg_level_1.vdb
     cat >driver.py <<'PY'
 import bpy, os
 here = os.getcwd()
@@ -72,6 +79,28 @@ opens("channels.blend")
 for name, on in (("channel_both", (1, 1)), ("channel_first", (1, 0)), ("channel_second", (0, 1))):
     show(channel_0=on[0], channel_1=on[1])
     draw(name)
+# Each volume has levels of its own.
+def level(**which):
+    for name, value in which.items():
+        bpy.data.objects[name]["level"] = value
+        bpy.data.objects[name].update_tag()
+opens("second.blend")
+draw("second")
+show(channel_1=0)
+draw("second_first")
+opens("levels.blend")
+draw("levels_fine")
+level(channel_0=1, channel_1=1)
+draw("levels_coarse")
+show(channel_1=0)
+draw("levels_first")
+level(channel_1=0)
+draw("levels_hidden")
+opens("both.blend")
+level(seg=1)
+draw("both_coarse")
+show(seg=0)
+draw("both_hidden")
 # Two exports of one volume each, appended into a file of a person: names that collide are numbered, drivers hold.
 opens("a.blend")
 for name in ("b",):
@@ -108,6 +137,17 @@ PY
     holds the_first_channel_is_green "$(pixel channel_first 1 1) > 0.1 && $(pixel channel_first 1 0) < 0.02"
     holds the_second_magenta "$(pixel channel_second 2 0) > 0.1 && $(pixel channel_second 2 1) < 0.02 && $(pixel channel_second 2 2) > 0.1"
     holds both_are_there "$(pixel channel_both 1 1) > 0.05 && $(pixel channel_both 2 0) > 0.05"
+    for column in 1 2; do
+        for channel in 0 1; do
+            near "levels_of_channels_$column$channel" "$(pixel levels_coarse $column $channel)" "$(pixel second $column $channel)"
+            near "one_alone_$column$channel" "$(pixel levels_first $column $channel)" "$(pixel second_first $column $channel)"
+            near "hidden_at_any_level_$column$channel" "$(pixel levels_hidden $column $channel)" \
+                "$(pixel second_first $column $channel)"
+        done
+        near "the_finest_comes_first_$column" "$(pixel levels_fine $column 0)" "$(pixel channel_both $column 0)"
+    done
+    holds and_is_another "$(pixel levels_fine 1 1) - $(pixel levels_coarse 1 1) > 0.01 || $(pixel levels_coarse 1 1) - $(pixel levels_fine 1 1) > 0.01"
+    holds labels_have_levels_too "$(pixel both_coarse 1 3) > $(pixel both_hidden 1 3) + 0.05"
     near appended_they_add_up_too "$(pixel appended 2 3)" 0.75
     near appended_each_is_itself "$(pixel appended 3 3)" 0.5
     check drivers_hold grep -q '^drivers True' log

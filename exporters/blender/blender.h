@@ -99,9 +99,9 @@ typedef struct iso_blender_levels {
 iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_levels *levels, const char *blend_path,
                                      const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
-/* One level of each frame of a series, all with the same grid. */
+/* Levels [level, level + level_count) of each of `count` frames of a series, all with the same grid. */
 typedef struct iso_blender_sequence {
-    size_t level, count;
+    size_t level, level_count, count;
     const iso_view *view;                                                         /* of all frames */
     iso_status (*load)(void *user, size_t frame, iso_pyramid *p, iso_error *err); /* caller destroys p */
     void *user;
@@ -109,14 +109,15 @@ typedef struct iso_blender_sequence {
 } iso_blender_sequence;
 
 /* Writes one NAME.blend, and NAME_0000.vdb, NAME_0001.vdb ... for the frames, which Blender plays as a sequence: its
- * frame 1 is file 0. Loads one frame at a time. ISO_E_USAGE for label maps. */
+ * frame 1 is file 0. Several levels are files NAME_level_K_0000.vdb ..., and the property "level" selects one. Loads one
+ * frame at a time. ISO_E_USAGE for label maps. */
 iso_status iso_blender_export_sequence(const iso_blender_sequence *sequence, const char *blend_path,
                                        const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 
-/* One level of each of several volumes, placed by their world coordinates. */
+/* Levels [level, level + level_count) of each of `count` volumes, placed by their world coordinates. */
 enum { ISO_BLENDER_VOLUME_NAME = 64 };
 typedef struct iso_blender_several {
-    size_t level, count;
+    size_t level, level_count, count;
     /* Loads volume i; the caller destroys p and view. name: the unique name of its box, also the end of its file's
      * name. */
     iso_status (*load)(void *user, size_t i, iso_pyramid *p, iso_view *view, char name[ISO_BLENDER_VOLUME_NAME],
@@ -125,7 +126,8 @@ typedef struct iso_blender_several {
     bool force; /* as above */
 } iso_blender_several;
 
-/* Writes one NAME.blend with, per volume, a NAME_volume.vdb, a box with a property "show", a material and a collection.
+/* Writes one NAME.blend with, per volume, a NAME_volume.vdb (of several levels NAME_volume_level_K.vdb), a box with the
+ * properties "show" and "level", a material and a collection.
  * Camera, lights and background are the first volume's; so is the step if opt->step_voxels is 0. Loads one volume at a
  * time. Overlapping volumes add emission and extinction. */
 iso_status iso_blender_export_several(const iso_blender_several *several, const char *blend_path,

@@ -63,6 +63,9 @@ json_t *iso_blender_describe_scene(const iso_view *view, const iso_blender_space
  * region of interest; and a ramp for each different one. */
 json_t *iso_blender_describe_tf(const iso_view *views, size_t first, size_t count, double units);
 
+/* Does the same for `count` levels with one view, without a region of interest. NULL: out of memory. */
+json_t *iso_blender_describe_one_tf(const iso_view *view, size_t first, size_t count, double units);
+
 /* A level and its grids. Paths are those that Blender sees: absolute, or with a leading "//" relative to the .blend. */
 typedef struct blender_level {
     const iso_geometry *geometry; /* in mm */

@@ -62,10 +62,10 @@ def add_levels(about, shift, frame, look, collection):
             thing[f"isoshade_labels_{key}"] = [float(v) for v in value]
         for key, value in roi.items() if "roi" in level or several else ():
             thing[f"isoshade_roi_{key}"] = [float(v) for v in value]
-        for hidden in ("hide_render", "hide_viewport") if several else ():
-            drive(thing, hidden, None, f"level != {level['level']}", {"level": (frame, '["level"]')})
-        for hidden in ("hide_render", "hide_viewport") if "show" in frame else ():
-            drive(thing, hidden, None, "show < 1", {"show": (frame, '["show"]')})
+        reasons = {"level": f"level != {level['level']}"} if several else {}
+        reasons |= {"show": "show < 1"} if "show" in frame else {}
+        for hidden in ("hide_render", "hide_viewport") if reasons else ():
+            drive(thing, hidden, None, " or ".join(reasons.values()), {name: (frame, f'["{name}"]') for name in reasons})
 
 
 def add_switch(frame):

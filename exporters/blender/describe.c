@@ -239,6 +239,16 @@ json_t *iso_blender_describe_tf(const iso_view *views, size_t first, size_t coun
     return json_pack("{so so}", "tables", d.tables, "ramps", d.ramps);
 }
 
+json_t *iso_blender_describe_one_tf(const iso_view *view, size_t first, size_t count, double units)
+{
+    iso_view *views = calloc(count, sizeof *views);
+    for (size_t k = 0; views && k < count; ++k)
+        views[k] = *view;
+    json_t *tf = views ? iso_blender_describe_tf(views, first, count, units) : NULL;
+    free(views);
+    return tf;
+}
+
 static json_t *describe_lights(const iso_view *view)
 {
     json_t *lights = json_array();

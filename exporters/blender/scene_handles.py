@@ -115,7 +115,7 @@ def explain(about, shift):
     several = ('Its property "level" selects the visible level of the pyramid.\n'
                if len({level["level"] for level in about["levels"]}) > 1 else "")
     if "sequence" in about:
-        several = (f"Frames 1 to {about['sequence']} are the frames of a series, whose files are numbered from 0, with one color map and\n"
+        several += (f"Frames 1 to {about['sequence']} are the frames of a series, whose files are numbered from 0, with one color map and\n"
                    "one range for all.\n")
     if "planned" in about:
         several = "A plan chose the resolution by the scene: finer for visible parts, coarser for hidden ones.\n"

@@ -95,9 +95,9 @@ def missing_signs(about, frame, camera, collection):
 
 def copy_driver(curve, owner):
     """Sets hide_render and hide_viewport by the frame's level, like the volume."""
-    variable = curve.driver.variables[0]
-    target = variable.targets[0]
-    drive(owner, curve.data_path, None, curve.driver.expression, {variable.name: (target.id, target.data_path)})
+    targets = {variable.name: variable.targets[0] for variable in curve.driver.variables}
+    drive(owner, curve.data_path, None, curve.driver.expression,
+          {name: (target.id, target.data_path) for name, target in targets.items()})
 
 
 # ---- the window ------------------------------------------------------------------------------------------------

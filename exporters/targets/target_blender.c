@@ -123,7 +123,7 @@ static iso_status write_blender_frames(const iso_export_job *job, iso_error *err
     o.step_voxels = job->step_voxels > 0 ? job->step_voxels : job->view->step_voxels;
     take_grid_options(job, &o);
     o.physical = job->physical;
-    const iso_blender_sequence all = {job->level, job->frame_count, job->view, job->load_frame, job->frame_user,
+    const iso_blender_sequence all = {job->level, job->level_count, job->frame_count, job->view, job->load_frame, job->frame_user,
                                       job->force};
     const iso_status status = iso_blender_export_sequence(&all, job->output, &o, job->progress, err);
     if (status == ISO_OK)
@@ -137,7 +137,7 @@ static iso_status write_blender_volumes(const iso_export_job *job, iso_error *er
     o.step_voxels = job->step_voxels;
     take_grid_options(job, &o);
     o.physical = job->physical;
-    const iso_blender_several all = {job->level, job->volume_count, job->load_volume, job->volume_user,
+    const iso_blender_several all = {job->level, job->level_count, job->volume_count, job->load_volume, job->volume_user,
                                      job->force};
     return iso_blender_export_several(&all, job->output, &o, job->progress, err);
 }

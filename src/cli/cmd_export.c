@@ -282,7 +282,6 @@ static iso_status export_volumes(iso_export_arguments *a, iso_error *err)
                         : a->adapted.extinction_scale ? "--extinction-scale"
                         : a->roi.box                  ? "--roi"
                         : a->isosurface               ? "--isosurface"
-                        : a->level_count > 1          ? "--levels"
                                                       : NULL;
     iso_status status = iso_export_check(a, &target, err);
     if (status == ISO_OK && other)
@@ -299,6 +298,7 @@ static iso_status export_volumes(iso_export_arguments *a, iso_error *err)
                                                             .channels = a->channels,
                                                             .added = (const char **)a->added,
                                                             .level = (size_t)a->level,
+                                                            .level_count = (size_t)a->level_count,
                                                             .step_voxels = a->step == ISO_STEP_OF_SCENE ? 0 : a->step,
                                                             .output = a->output,
                                                             .target = target},

@@ -88,14 +88,13 @@ static iso_status check_bake(const iso_export_arguments *a, iso_error *err)
 }
 
 /* Checks --frames: all frames share one scene and one transfer function, so options for a single volume are refused. */
-static iso_status check_frames(const iso_export_arguments *a, const iso_export_target *target, iso_error *err)
+static iso_status check_frames(const iso_export_arguments *a, iso_error *err)
 {
-    const char *other = a->plan                                      ? "--plan"
-                        : a->adapted.wanted                          ? "--adapt"
-                        : a->adapted.extinction_scale                ? "--extinction-scale"
-                        : a->roi.box                                 ? "--roi"
-                        : a->level_count > 1 && target->write_frames ? "--levels"
-                                                                     : NULL;
+    const char *other = a->plan                       ? "--plan"
+                        : a->adapted.wanted           ? "--adapt"
+                        : a->adapted.extinction_scale ? "--extinction-scale"
+                        : a->roi.box                  ? "--roi"
+                                                      : NULL;
     if (!a->frames)
         return ISO_OK;
     if (strcmp(a->frames, "all") != 0)
@@ -151,7 +150,7 @@ iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **t
     if (status == ISO_OK && a->material)
         status = iso_names_find(&iso_blender_material_names, a->material, &a->material_row, err);
     TRY(status, check_bake(a, err));
-    TRY(status, check_frames(a, *target, err));
+    TRY(status, check_frames(a, err));
     TRY(status, check_plan(a, err));
     if (status == ISO_OK && (*target)->stamped)
         status = iso_stamp_guard(a->output, a->force, err);

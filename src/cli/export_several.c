@@ -170,13 +170,13 @@ static iso_status load(void *user, size_t i, iso_pyramid *p, iso_view *view, cha
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_volume_input input = *a->input;
     build.threads = a->cli->threads;
-    build.level_count = a->level + 1;
+    build.level_count = a->level + a->level_count;
     if (v->channel)
         input.channel = v->channel;
     else if (i > 0)
         input = (iso_volume_input){0}; /* the options apply only to the first volume */
     iso_status status = iso_subject_load_pyramid(v->path, &input, &build, &job->progress, p, err);
-    TRY(status, iso_pyramid_check_level(p, v->path, a->level, err));
+    TRY(status, iso_pyramid_check_level(p, v->path, build.level_count - 1, err));
     TRY(status, make_view(job, i, p, view, err));
     snprintf(name, NAME_BYTES, "%s", v->name);
     return status;
@@ -213,6 +213,7 @@ iso_status iso_export_several_volumes(const iso_export_several *a, iso_error *er
         status = add_other(&job, a->added[i], err);
     if (status == ISO_OK) {
         const iso_export_job export_job = {.level = a->level,
+                                           .level_count = a->level_count,
                                            .output = a->output,
                                            .step_voxels = a->step_voxels,
                                            .threads = a->cli->threads,

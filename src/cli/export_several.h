@@ -13,7 +13,7 @@ typedef struct iso_export_several {
     const iso_subject_look *look;
     const char *channels; /* "all", or "0,2,DAPI"; or NULL */
     const char **added;   /* "VOLUME" or "VOLUME,TF"; ends with NULL, or NULL */
-    size_t level;
+    size_t level, level_count;
     double step_voxels; /* 0: the scene's */
     const char *output;
     const iso_export_target *target;
