@@ -109,8 +109,8 @@ typedef struct iso_blender_sequence {
 } iso_blender_sequence;
 
 /* Writes one NAME.blend, and NAME_0000.vdb, NAME_0001.vdb ... for the frames, which Blender plays as a sequence: its
- * frame 1 is file 0. Several levels are files NAME_level_K_0000.vdb ..., and the property "level" selects one. Loads one
- * frame at a time. ISO_E_USAGE for label maps. */
+ * frame 1 is file 0. Several levels are files NAME_level_K_0000.vdb ..., and the property "level" selects one. Loads
+ * one frame at a time. ISO_E_USAGE for label maps. */
 iso_status iso_blender_export_sequence(const iso_blender_sequence *sequence, const char *blend_path,
                                        const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
 

@@ -131,7 +131,8 @@ static iso_status write_blend(sequence_job *job, const char *folder, iso_error *
 {
     json_t *about = job->about;
     job->about = NULL; /* taken */
-    return iso_blender_save(about, job->blend_path, &job->outs[file_count(job->sequence)], folder, job->opt, job->progress, err);
+    iso_output *out = &job->outs[file_count(job->sequence)];
+    return iso_blender_save(about, job->blend_path, out, folder, job->opt, job->progress, err);
 }
 
 iso_status iso_blender_export_sequence(const iso_blender_sequence *s, const char *blend_path,
