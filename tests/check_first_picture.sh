@@ -111,4 +111,39 @@ check its_command_has_the_options test -n "$line"
 echo '{"schema": "isoshade.scene/1", "camra": {}}' >key.scene.json
 expect an_unknown_key 4 "$ISOSHADE" render nothing.nrrd --scene key.scene.json -o x.png
 check it_lists_the_keys grep -q 'unknown key "camra" in the scene, must be one of: schema, comment, image, camera' err
+
+# --progressive: pictures under one name, each put in its place by a rename, the last one that without it.
+cat >count_pictures.py <<'EOF'
+import ctypes, os, struct, subprocess, sys
+# Prints how often a file of the folder was replaced whole, and how often it was written in place, while a command ran.
+replaced, written = 0x80, 0x8
+libc = ctypes.CDLL(None)
+watch = libc.inotify_init1(os.O_NONBLOCK)
+libc.inotify_add_watch(watch, b".", replaced | written)
+code = subprocess.run(sys.argv[2:]).returncode
+counts, data = {replaced: 0, written: 0}, b""
+try:
+    while True:
+        data += os.read(watch, 65536)
+except BlockingIOError:
+    pass
+while data:
+    _, mask, _, length = struct.unpack_from("iIII", data)
+    if data[16:16 + length].rstrip(b"\0").decode() == sys.argv[1]:
+        for event in counts:
+            counts[event] += bool(mask & event)
+    data = data[16 + length:]
+print(counts[replaced], counts[written])
+sys.exit(code)
+EOF
+"$ISOSHADE" build v.nrrd -o v.iso --levels 2 -q
+for input in v.nrrd v.iso; do
+    "$ISOSHADE" render $input --size 61x43 -q -o plain.png
+    expect "progressive_pictures_of_$input" 0 python3 count_pictures.py more.png "$ISOSHADE" render $input --size 61x43 --progressive -q -o more.png
+    check "four_of_$input,_each_whole" test "$(tail -n 1 out)" = "4 0"
+    check "the_last_one_of_${input}_is_the_plain_one" cmp plain.png more.png
+done
+expect one_picture_without_it 0 python3 count_pictures.py plain.png "$ISOSHADE" render v.nrrd --size 61x43 -q -o plain.png
+check is_one test "$(tail -n 1 out)" = "1 0"
+expect progressive_frames 2 "$ISOSHADE" render v.nrrd --progressive --limit -o x.png
 exit $failed

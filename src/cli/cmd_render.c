@@ -173,6 +173,59 @@ static iso_status load_subject(const iso_render_arguments *a, const iso_cli *cli
                                                                          p, err);
 }
 
+/* ---- coarse pictures first ---- */
+
+/* Enlarges a picture 2^shift times, without interpolation, and cuts it to the size. */
+static iso_status enlarge(const iso_image *small, size_t shift, size_t width, size_t height, iso_image *large,
+                          iso_error *err)
+{
+    const iso_status status = iso_image_create(large, width, height, err);
+    for (size_t i = 0; status == ISO_OK && i < width * height; ++i) {
+        const size_t x = i % width >> shift, y = i / width >> shift;
+        memcpy(large->rgba + 4 * i, small->rgba + 4 * (x + small->width * y), 4 * sizeof *large->rgba);
+    }
+    return status;
+}
+
+/* True if the scene is the same at every level. */
+static bool may_coarsen(const iso_render_request *q)
+{
+    return q->options->source == ISO_FROM_CODES && !q->view->tf_2d && !q->view->extinction_scale && !q->view->roi;
+}
+
+/* Draws a part of the pixels, from a coarser level if there is one, and saves them as the whole picture. */
+static iso_status save_coarse(const iso_render_arguments *a, const iso_cli *cli, const iso_render_request *q,
+                              size_t shift, const char *version, iso_error *err)
+{
+    const size_t last = q->pyramid->level_count - 1, side = (size_t)1 << shift;
+    iso_render_request part = *q;
+    iso_render_options opt = *q->options;
+    iso_view view = *q->view;
+    iso_image small = {0}, large = {0};
+    view.width = (view.width + side - 1) / side;
+    view.height = (view.height + side - 1) / side;
+    part.view = &view;
+    part.options = &opt;
+    part.level = may_coarsen(q) ? (q->level + shift < last ? q->level + shift : last) : q->level;
+    opt.stats = NULL;
+    iso_status status = iso_render_with(&part, &small, NULL, err);
+    TRY(status, enlarge(&small, shift, q->view->width, q->view->height, &large, err));
+    TRY(status, iso_render_save(a, cli, &large, version, taken_step(a, &part), err));
+    iso_image_destroy(&small);
+    iso_image_destroy(&large);
+    return status;
+}
+
+/* An eighth of the rows and columns first, then a quarter and a half. */
+static iso_status save_coarse_ones(const iso_render_arguments *a, const iso_cli *cli, const iso_render_request *q,
+                                   const char *version, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t shift = 3; shift > 0 && status == ISO_OK && a->progressive; --shift)
+        status = save_coarse(a, cli, q, shift, version, err);
+    return status;
+}
+
 static iso_status render(const iso_render_arguments *a, const iso_cli *cli, const frame_of_series *of, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
@@ -213,6 +266,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     if (status == ISO_OK && !iso_renderer_has(opt.renderer, ISO_TAKES_A_PART))
         status = iso_pyramid_complete(&pyramid, &progress, err);
     TRY(status, opt.renderer->version(opt.renderer, &renderers, version, sizeof version, err));
+    TRY(status, save_coarse_ones(a, cli, &request, version, err));
     opt.stats = &stats;
     if (status == ISO_OK && iso_render_is_in_bricks(a))
         status = render_cached(a, cli, &request, &image, &seconds, err);
@@ -306,6 +360,10 @@ static iso_status draw(const iso_render_arguments *a, const iso_cli *cli, iso_er
     const bool paged = a->memory_mb != ISO_ALL_IN_MEMORY;
     if (a->refine && !paged)
         return iso_fail(err, ISO_E_USAGE, "--refine needs --memory");
+    if (a->progressive && (paged || a->limit || a->frames || iso_render_is_in_bricks(a)))
+        return iso_fail(err, ISO_E_USAGE,
+                        "--progressive is for single pictures, without --memory, --limit, --frames, --cache-bytes and "
+                        "--plan-error");
     if (paged)
         return iso_cli_render_paged(a, cli, err);
     return a->frames ? render_series(a, cli, err) : render(a, cli, &(frame_of_series){NULL, 0, NULL}, err);
@@ -370,6 +428,8 @@ static const iso_option options[] = {
      ISO_IN(iso_render_arguments, memory_mb), .least = 1, .most = 1e9},
     {"refine", 0, "with --memory: render coarse levels first, as IMAGE_level_K", NULL,
      ISO_IN(iso_render_arguments, refine)},
+    {"progressive", 0, "write coarse pictures first, each whole, under the same name", NULL,
+     ISO_IN(iso_render_arguments, progressive)},
     {"shader-dir", 0, "%s: use shaders of this folder instead of the built-in ones", "DIR",
      ISO_IN(iso_render_arguments, shader_dir), ISO_NAMES_RENDERERS(ISO_READS_SHADERS)},
     ISO_OPTIONS_OF(iso_render_arguments, adapted, iso_adapted_rows),

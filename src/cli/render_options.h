@@ -28,7 +28,7 @@ typedef struct iso_render_arguments {
     int level, intervals, planes, samples, seed, seeds, limit, shade_table, exact_lookups, brick, brick_levels,
         page_side;
     double step, cache_bytes, memory_mb; /* cache_bytes: ISO_NO_CACHE; memory_mb: ISO_ALL_IN_MEMORY, or for pages */
-    int refine;
+    int refine, progressive;
     char *plan_error_text, *code, *direction_filter, *estimator;
     double plan_error; /* 0: none */
     const char *shader_dir;
