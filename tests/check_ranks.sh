@@ -117,14 +117,20 @@ EOF
 same_report() { facts "$1" >first.txt && facts "$2" >second.txt && [ "$(wc -l <first.txt)" -gt 100 ] && cmp first.txt second.txt; }
 pictures() { python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["work"]["pictures"])' "$1/r/report.json"; }
 by_two() { RANKS=2 validate "$@"; }
+no_death() { ! grep -q died err; }
 other_is_seen() { ! same_report alone other; }
 expect one_rank_validates 0 validate alone --size 32
 expect two_ranks_validate 0 by_two two --size 32
+check and_none_dies no_death
 check with_the_same_report same_report alone two
 check of_which_each_drew_a_part test "$(pictures two)" -lt "$(pictures alone)"
 check the_pictures_are_removed test ! -e two/r.work
 expect another_size_validates 0 validate other --size 33
 check and_another_report_would_be_seen other_is_seen
+
+expect an_input_that_is_missing 3 patiently mpirun -n 2 --oversubscribe "$ISOSHADE" validate none.nrrd -o missing
+check is_no_death no_death
+check and_one_message test "$(grep -c '^isoshade validate:' err)" = 1
 
 # The process of rank 1 that works, a child of the one that mpirun started, is killed while it draws.
 of_rank_1() {

@@ -494,10 +494,7 @@ static iso_status be_other_rank(iso_validate_arguments *a, iso_error *err)
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing");
     a->shared = store_folder(a);
-    free(a->output);
     a->output = iso_path_join(rank_folder, "report");
-    free(a->junit);
-    free(a->summary_md);
     a->junit = a->summary_md = NULL;
     a->viewer = a->resume = 0;
     return a->shared && a->output ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
@@ -505,14 +502,16 @@ static iso_status be_other_rank(iso_validate_arguments *a, iso_error *err)
 
 static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    iso_validate_arguments *a = values;
+    iso_validate_arguments a = *(iso_validate_arguments *)values; /* whose texts the caller frees */
     iso_cli of_rank = *cli;
     of_rank.quiet = cli->quiet || rank_folder;
-    if (a->gl_device)
-        setenv(ISO_GL_DEVICE_VARIABLE, a->gl_device, 1);
-    iso_status status = rank_folder ? be_other_rank(a, err) : ISO_OK;
-    TRY(status, check_and_run(a, &of_rank, err));
-    free(a->shared);
+    if (a.gl_device)
+        setenv(ISO_GL_DEVICE_VARIABLE, a.gl_device, 1);
+    iso_status status = rank_folder ? be_other_rank(&a, err) : ISO_OK;
+    TRY(status, check_and_run(&a, &of_rank, err));
+    if (a.shared)
+        free(a.output);
+    free(a.shared);
     return status;
 }
 
