@@ -37,8 +37,11 @@ CC := gcc
 CXX := g++
 OBJCOPY := objcopy
 warnings := -Wall -Wextra -Wpedantic -Wshadow -Wvla -Wpointer-arith -Wno-psabi $(WERROR)
-# SSE4.2 on PCs; kernels for later processors are chosen at run time.
-baseline := $(if $(filter x86_64-%,$(shell $(CC) -dumpmachine 2>/dev/null)),-march=x86-64-v2)
+# SSE4.2 on PCs; kernels for later processors are chosen at run time. gcc 12 for arm64 ends with an internal error at
+# maxima in loops.
+compiler := $(shell $(CC) -dumpmachine 2>/dev/null)-$(shell $(CC) -dumpversion 2>/dev/null)
+baseline := $(if $(filter x86_64-%,$(compiler)),-march=x86-64-v2)
+baseline := $(or $(baseline),$(if $(filter aarch64-%-12,$(compiler)),-fno-tree-loop-vectorize))
 flags_release := -O3 $(baseline) -g -ffp-contract=off -fno-math-errno -fno-trapping-math
 # Check copies into buffers of known size at run time, in all that is installed. Not in the inner loops of these folders:
 # each copy of a fixed-size word would become a function call.
@@ -428,8 +431,6 @@ $(build)/%.o: %.cc $(build)/flags
 $(build)/src/encode/decode_float.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/render/cpu/cast_%.o: CFLAGS += -fsingle-precision-constant
 $(build)/src/encode/encode_region48.o: CFLAGS += -ffp-contract=fast
-# gcc 12 for arm64 ends with an internal error at its search for the best candidate.
-$(build)/src/plan/scene_levels.o: CFLAGS += -fno-tree-loop-vectorize
 fortified_o := $(if $(filter release,$(config)),$(filter-out $(inner_loops:%=$(build)/src/%/%.o),$(lib_o)) $(commands_o) $(lab_o) \
 	$(openvdb_o) $(build)/src/cli/main.o)
 $(fortified_o): CFLAGS += $(fortified)

@@ -5,6 +5,8 @@
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define ISO_CAST_HAS_X86
+#else
+typedef int iso_cast_has_no_x86; /* C forbids source files without a declaration */
 #endif
 
 #endif
