@@ -49,7 +49,7 @@ libraries_are_found() { # of all but MPI, which is suggested
 }
 addon_is_enabled() {
     blender -b --factory-startup --python-exit-code 1 --python-expr 'import addon_utils, bpy
-module = addon_utils.enable("isoshade_addon")
+module = addon_utils.enable("bl_ext.system.isoshade" if bpy.app.version >= (4, 2, 0) else "isoshade_addon")
 assert module.__file__.startswith("/usr/share/blender/"), module.__file__
 assert bpy.ops.isoshade.import_volume.poll()'
 }
@@ -72,7 +72,7 @@ use_packages() {
     try they_are_installed_again install_packages $debs
     try libraries_of_all_modules_are_found libraries_are_found
     try the_first_picture_is_drawn first_picture
-    try a_report_is_written isoshade validate first.nrrd --quick --levels 1 --size 16 -q -o report
+    try a_report_is_written isoshade validate first.nrrd --quick --levels 1 --size 16 --with gl,cycles -q -o report
     try blender_enables_the_addon addon_is_enabled
     try the_test_of_autopkgtest_passes sh "$top/debian/tests/picture"
     touch /usr/share/isoshade/planted
