@@ -32,4 +32,17 @@ expect exported 0 "$ISOSHADE" export head.iso --to povray --tf bone.tf.json --le
 grep -q 'export: note: level 2: .* ghost' err && ok export_says_it || not_ok export_says_it "$(cat err)"
 expect tables 0 "$ISOSHADE" tf adapt head.iso --tf bone.tf.json -o head -q
 grep -A1 '^level 2' out | grep -q 'a ghost of .* is left out' && ok tf_adapt_says_it || not_ok tf_adapt_says_it "$(cat out)"
+
+# Thin vessels break up at level 1: the message names the option that keeps them, with which they are nearer to level 0.
+"$ISOSHADE" make vessels --size 48 -q -o vessels.nrrd && "$ISOSHADE" make shells --size 48 -q -o shells.nrrd || exit 1
+thin() { "$ISOSHADE" render "$1.nrrd" --size 48 --with cpu -q "${@:2}"; }
+expect thin_ones 0 thin vessels --level 1 --adapt -o broken.exr
+check what_breaks_up_is_named grep -qE 'warning: level 1 lacks 1[0-9] % of .* --extinction-scale keeps them' err
+expect with_a_scale 0 thin vessels --level 1 --adapt --extinction-scale -o kept.exr
+notice a_scale_is_not_warned_of grep -q lacks err
+expect and_level_0 0 thin vessels -o fine.exr
+for name in broken kept; do "$ISOSHADE" compare fine.exr $name.exr --json >$name.json; done
+holds with_it_they_are_nearer "$(json_number kept.json rmse) < 0.85 * $(json_number broken.json rmse)"
+expect thick_ones 0 thin shells --level 1 --adapt -o shells.exr
+notice are_not_warned_of grep -q lacks err
 exit $failed

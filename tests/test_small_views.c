@@ -115,6 +115,27 @@ TEST(threads_change_nothing_and_a_wrong_level_shows)
 }
 
 /* The error at the voxels is lower by a tenth, and the space around the orbital fills with a haze. */
+/* Thin enough that opacity is proportional to extinction within its square: 20 mm of 1e-5 per mm. */
+TEST(lost_opacity_is_the_part_that_is_missing)
+{
+    const iso_geometry g = iso_geometry_axis_aligned((size_t[]){9, 8, 7}, (double[]){1, 1, 1});
+    OWNED(iso_pyramid) p = pyramid_of(&g, flat, 1);
+    OWNED(iso_tf_table) whole = uniform(1e-5);
+    OWNED(iso_tf_table) quarter = uniform(0.25e-5);
+    OWNED(iso_tf_table) more = uniform(2e-5);
+    iso_small_views_error e[ISO_SMALL_VIEWS_MAX_TFS];
+    const iso_small_views_input in = {.fine = p.levels,
+                                      .coarse = p.levels,
+                                      .original = &whole,
+                                      .tfs = {&whole, &quarter, &more},
+                                      .tf_count = 3,
+                                      .threads = 1};
+    assert_ok(iso_small_views_compare(&in, e, &err));
+    assert_within(e[0].lost, 0, 1e-9);
+    assert_within(e[1].lost, 0.75, 1e-3);
+    assert_within(e[2].lost, 0, 1e-9); /* more opacity is none lost */
+}
+
 TEST(a_signed_orbital_keeps_its_empty_space)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){48, 56, 56}, (double[]){1, 1, 1});

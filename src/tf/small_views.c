@@ -288,14 +288,16 @@ static iso_status draw_level_0(const iso_small_views_input *in, iso_small_views_
 static iso_status add_error(const iso_image *wanted, const iso_image *seen, int view, iso_small_views_error *e,
                             iso_error *err)
 {
-    double ssim = 0, square = 0;
+    double ssim = 0, square = 0, lost = 0;
     const iso_status status = iso_ssim_mean(wanted, seen, &ssim, err);
     for (size_t i = 0; i < (size_t)4 * PIXELS * PIXELS; ++i) {
         const double d = (double)seen->rgba[i] - (double)wanted->rgba[i];
         square += i % 4 < 3 ? d * d : 0;
+        lost += i % 4 == 3 && d < 0 ? -d : 0;
     }
     e->of_view[view] = 1 - ssim;
     e->ssim_dissimilarity += (1 - ssim) / ISO_SMALL_VIEWS_COUNT;
+    e->lost += lost;
     e->rmse += square / (3.0 * PIXELS * PIXELS * ISO_SMALL_VIEWS_COUNT);
     return status;
 }
@@ -318,6 +320,7 @@ iso_status iso_small_views_compare(const iso_small_views_input *in,
     }
     for (size_t i = 0; i < in->tf_count; ++i) {
         errors[i].rmse = sqrt(errors[i].rmse);
+        errors[i].lost *= fine->shown > 0 ? 1 / ((double)fine->shown * ISO_SMALL_VIEWS_UNIT) : 0;
         errors[i].ghost = fine->shown > 0 ? (double)ghosts[i] / (double)fine->shown : 0;
         iso_image_destroy(&pictures[i]);
     }

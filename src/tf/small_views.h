@@ -24,6 +24,7 @@ typedef struct iso_small_views_error {
     double ssim_dissimilarity;             /* their mean */
     double rmse;                           /* of linear color, over all views */
     double ghost;                          /* with a mask: opacity seen in empty voxels (tf/ghost.h) */
+    double lost; /* part of level 0's opacity, over all pixels, that is missing where the level is less opaque */
 } iso_small_views_error;
 
 /* Visible opacity due to each entry of a table, summed over all pixels, in units of ISO_SMALL_VIEWS_UNIT: in empty
