@@ -143,7 +143,7 @@ fuzz_programs := $(reader_programs:$(build)/isoshade-%=$(build)/isoshade-fuzz-%)
 libfuzzer_c := $(filter-out tests/fuzz/drive.c,$(wildcard tests/fuzz/*.c))
 libfuzzer := $(build)/isoshade-libfuzzer
 threads_program := $(build)/isoshade-threads
-embedded := src/lab/warp_map.h src/encode/code_decode.h $(wildcard src/render/gl/shaders/* src/*/*.glsl \
+embedded := src/encode/code_decode.h $(wildcard src/render/gl/shaders/* src/*/*.glsl \
 	$(foreach suffix,html js css gp py,src/*/*.$(suffix)) exporters/*/*.py exporters/*/*.inc)
 
 .PHONY: all setup demo check test help clean

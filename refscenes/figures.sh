@@ -3,7 +3,7 @@
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              all of them: hours, since some time a machine
 #   sh refscenes/figures.sh quick        those that take minutes: hero sheet report levels adaptive-tf seams failures palettes papers kinds
-#   sh refscenes/figures.sh NAME ...     these; the others are codes gradients sensitivity scale chart chart-page opened viewer addon
+#   sh refscenes/figures.sh NAME ...     these; the others are codes sensitivity scale chart chart-page opened viewer addon
 #                                        first-pictures
 # What needs a volume or a program that is not there says so and is left out: the volume of $ENGINE (256 x 256 x 128, else
 # ../shared/data/engine_256x256x128.nrrd), the folder $VOLUMES of doc/results/first-pictures.md, Xvfb, ImageMagick,
@@ -108,11 +108,6 @@ codes() { # doc/results/direction-codes.md
     "$isoshade-lab" encode --chart "$work"
     cp "$work/figure10.svg" "$out/gradients-figure10.svg"
 }
-gradients() { # doc/results/gradients.md
-    "$isoshade-lab" consistency --filters --holes -q -o "$work/gradients"
-    cp "$work/gradients/filters.svg" "$out/gradients-filters.svg"
-    cp "$work/gradients/holes.svg" "$out/gradients-holes.svg"
-}
 sensitivity() { # doc/results/validation.md
     "$isoshade-lab" power --sensitivity -q -o "$work/sensitivity"
     cp "$work/sensitivity/sensitivity.svg" "$out/validation-sensitivity.svg"
@@ -167,7 +162,7 @@ missing() { # name: the first thing that it needs and that is not there
 }
 
 quick="hero sheet report levels adaptive-tf seams failures palettes papers kinds"
-longer="codes gradients sensitivity scale chart chart-page opened viewer addon first-pictures"
+longer="codes sensitivity scale chart chart-page opened viewer addon first-pictures"
 [ $# -gt 0 ] || set -- $quick $longer
 [ "$*" != quick ] || set -- $quick
 skipped=

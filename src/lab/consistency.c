@@ -419,15 +419,12 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
     return status == ISO_OK ? run_all(b, b->methods, err) : status;
 }
 
-/* Runs one of three parts, which have options of their own. */
+/* Runs one of two parts, which have options of their own. */
 static iso_status run_part(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    for (int i = 1; i < argc; ++i) {
+    for (int i = 1; i < argc; ++i)
         if (strcmp(argv[i], "--shading") == 0)
             return iso_command_run(&iso_lab_shading, argc, argv, err);
-        if (strcmp(argv[i], "--filters") == 0 || strcmp(argv[i], "--holes") == 0)
-            return iso_command_run(&iso_lab_filters, argc, argv, err);
-    }
     iso_command levels = *self;
     levels.run_words = NULL;
     return iso_command_run(&levels, argc, argv, err);
@@ -437,10 +434,10 @@ const iso_command iso_lab_consistency = {
     .name = "consistency",
     .summary = "coarse levels against level 0, with the original and with adapted transfer functions",
     .max_arguments = 64,
-    .usage = "VOLUME... [options], or --shading, --filters, --holes [options]",
+    .usage = "VOLUME... [options], or --shading [options]",
     .details =
-        "With --shading, or without a volume, it measures directions; with --filters and --holes, where directions\n"
-        "fail. See the options of each with isoshade-lab consistency --shading --help.\n"
+        "With --shading, or without a volume, it measures directions, with options of its own (consistency --shading\n"
+        "--help).\n"
         "Four transfer functions, fixed as fractions of a volume's range: surface, soft, two-material, shell.\n"
         "1-SSIM, FLIP and RMSE are means over the views. The summary has geometric means, medians and quartiles over\n"
         "all cases. Some cases are left out and counted: level 0 shows nothing, no method shows anything (no pixel\n"

@@ -12,20 +12,16 @@
     X(consistency) \
     X(convergence) \
     X(encode) \
-    X(extinction_scale) \
     X(figure) \
     X(fit) \
     X(ghosts) \
     X(gradient) \
     X(levels) \
-    X(noise) \
     X(palette) \
     X(plan) \
     X(power) \
     X(reference) \
-    X(roi) \
     X(seams) \
-    X(tf) \
-    X(transitions)
+    X(tf)
 
 #endif

@@ -58,11 +58,10 @@ static json_t *error_row(const char *method, size_t entries, const iso_palette_e
 /* Sizes of Table 1: 8, 9 and 10 bits; regular subdivision has its own sizes. */
 static const size_t table_sizes[3] = {254, 510, 1022};
 static const size_t regular_sizes[3] = {240, 960, 3840};
-static const size_t vertex_sizes[3] = {122, 482, 1922};
 
 static const size_t *sizes_of(iso_palette_rival m)
 {
-    return m == ISO_RIVAL_FACES ? regular_sizes : m == ISO_RIVAL_VERTICES ? vertex_sizes : table_sizes;
+    return m == ISO_RIVAL_FACES ? regular_sizes : table_sizes;
 }
 
 typedef struct fitted_sets {
@@ -308,91 +307,6 @@ iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, js
     return status;
 }
 
-/* ---- Figure 8 -------------------------------------------------------------------------------- */
-
-typedef struct sweep {
-    const char *name;
-    size_t count;
-    double values[6];
-} sweep;
-
-static void set_parameter(iso_anneal_options *a, size_t which, double value)
-{
-    switch (which) {
-    case 0: a->start_prob = value; break;
-    case 1: a->temp_fac = value; break;
-    case 2: a->cycles = (size_t)value; break;
-    case 3: a->steps = (size_t)value; break;
-    default: a->move_deg[0] = value, a->move_deg[1] = 1.5 * value;
-    }
-}
-
-static iso_status sweep_case(const palette_bench *b, const iso_direction_set *set, const sweep *s, size_t which,
-                             size_t i, json_t *rows, iso_error *err)
-{
-    double sum = 0, least = INFINITY, most = 0, seconds = INFINITY;
-    for (int seed = 0; seed < b->seeds; ++seed) {
-        iso_rival_options opt = method_options(b, ISO_RIVAL_ANNEAL, 254);
-        iso_palette_error e;
-        double once;
-        size_t entries;
-        opt.fit.seed = (uint64_t)seed + 1;
-        set_parameter(&opt.anneal, which, s->values[i]);
-        iso_status status = fit_and_measure(set, set, &opt, &entries, &e, &once, err);
-        if (status != ISO_OK)
-            return status;
-        sum += e.norm1 / b->seeds;
-        least = fmin(least, e.norm1);
-        most = fmax(most, e.norm1);
-        seconds = fmin(seconds, once);
-    }
-    json_array_append_new(rows, json_pack("{s:s, s:f, s:f, s:f, s:f, s:f}", "parameter", s->name, "value", s->values[i],
-                                          "norm1", sum, "norm1_least", least, "norm1_most", most,
-                                          "fit_processor_seconds", seconds));
-    if (!b->cli->json) {
-        printf("  %-11s %8g  %10.5g  (%.5g to %.5g)  %7.3f s\n", s->name, s->values[i], sum, least, most, seconds);
-        fflush(stdout);
-    }
-    return ISO_OK;
-}
-
-iso_status iso_palette_bench_sensitivity(const palette_bench *b, const char *volume, json_t *root, iso_error *err)
-{
-    static const sweep sweeps[] = {
-        {"START_PROB", 6, {0.01, 0.05, 0.2, 0.4, 0.6, 0.9}},
-        {"TEMP_FAC", 6, {0.7, 0.8, 0.9, 0.92, 0.95, 0.98}},
-        {"CYCLE_NR", 4, {25, 50, 100, 200}},
-        {"STEP_NR", 3, {250, 1000, 4000}},
-        {"move >= deg", 6, {0.5, 1, 2.5, 5, 10, 20}},
-    };
-    json_t *rows = json_array();
-    iso_direction_set all = {0}, set = {0};
-    double seconds;
-    iso_status status;
-    if (volume) {
-        status = iso_palette_bench_sample(b, volume, &all, &seconds, err);
-        TRY(status, iso_direction_set_coarsen(&all, ANNEAL_CELLS, &set, err));
-    } else {
-        palette_bench one = *b;
-        one.seeds = 1;
-        status = ellipsoid_sets(&one, false, &set, err);
-    }
-    if (!b->cli->json && status == ISO_OK)
-        printf(
-            "\nAnnealing 254 entries, %s: norm 1 over %d seeds, the others at START_PROB %g, TEMP_FAC %g, %d cycles of "
-            "%d steps, moves of %g to %g degrees\n",
-            volume ? iso_path_base(volume) : "the ellipsoid", b->seeds, iso_rival_defaults().anneal.start_prob,
-            iso_rival_defaults().anneal.temp_fac, b->cycles, b->steps, iso_rival_defaults().anneal.move_deg[0],
-            iso_rival_defaults().anneal.move_deg[1]);
-    for (size_t s = 0; s < sizeof sweeps / sizeof *sweeps; ++s)
-        for (size_t i = 0; i < sweeps[s].count && status == ISO_OK; ++i)
-            status = sweep_case(b, &set, &sweeps[s], s, i, rows, err);
-    iso_direction_set_destroy(&all);
-    iso_direction_set_destroy(&set);
-    json_object_set_new(root, "sensitivity", rows);
-    return status;
-}
-
 /* ---- the benchmark ----------------------------------------------------------------------------- */
 
 static iso_status run_parts(const palette_bench *b, json_t *root, iso_error *err)
@@ -401,8 +315,6 @@ static iso_status run_parts(const palette_bench *b, json_t *root, iso_error *err
     iso_status status = ISO_OK;
     if (b->tessellation)
         return iso_palette_bench_tessellation(b, err);
-    if (b->sensitivity)
-        return iso_palette_bench_sensitivity(b, count ? b->cli->arguments[0] : NULL, root, err);
     if (count == 0) {
         status = iso_palette_bench_ellipsoid(b, root, err);
         return status == ISO_OK ? iso_palette_bench_assign(b, root, err) : status;
@@ -419,11 +331,10 @@ static iso_status run_parts(const palette_bench *b, json_t *root, iso_error *err
 }
 
 static const iso_option options[] = {
-    {"seeds", 0, "use N samples of the ellipsoid; with --sensitivity: N runs per setting", "N",
+    {"seeds", 0, "use N samples of the ellipsoid", "N",
      ISO_IN(palette_bench, seeds), .flags = ISO_SHOWN, .least = 1, .most = 1000},
     {"cycles", 0, "set CYCLE_NR of annealing", "N", ISO_IN(palette_bench, cycles), .flags = ISO_SHOWN, .most = 1e6},
     {"steps", 0, "set STEP_NR of annealing", "N", ISO_IN(palette_bench, steps), .flags = ISO_SHOWN, .most = 1e8},
-    {"sensitivity", 0, "vary the annealing's parameters instead", NULL, ISO_IN(palette_bench, sensitivity)},
     {"tessellation", 0, "draw only the ellipsoid's tessellation (Figure 9)", "FILE.svg",
      ISO_IN(palette_bench, tessellation)},
     {"entries", 0, "triangles of --tessellation", "N", ISO_IN(palette_bench, entries), .flags = ISO_SHOWN, .least = 1,
@@ -460,7 +371,6 @@ const iso_command iso_lab_palette = {
         "and images from palettes and from codes, compared with those from float directions. A fit is timed in\n"
         "processor seconds.",
     .examples = "  isoshade-lab palette --seeds 1 --steps 500\n"
-                "  isoshade-lab palette --sensitivity --seeds 1 --cycles 20 --steps 100\n"
                 "  isoshade-lab palette --tessellation figure9.svg --entries 120 --cycles 20 --steps 100\n"
                 "  isoshade make marschner-lobb --size 40x56x33 -o v.nrrd\n"
                 "  isoshade-lab palette v.nrrd --steps 200 --size 64\n",

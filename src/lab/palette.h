@@ -14,7 +14,7 @@ typedef struct palette_bench {
     iso_cli_look look;      /* empty: a scene that suits most volumes */
     iso_subject_look shown; /* the request in `look` */
     int cycles, steps, seeds, entries;
-    int sensitivity, no_images;
+    int no_images;
     char *tessellation;
 } palette_bench;
 
@@ -22,8 +22,6 @@ typedef struct palette_bench {
 iso_status iso_palette_bench_ellipsoid(const palette_bench *b, json_t *root, iso_error *err);
 /* Measures the search for the nearest entry: speed, and the number of wrong results. */
 iso_status iso_palette_bench_assign(const palette_bench *b, json_t *root, iso_error *err);
-/* Varies the annealing's parameters (Figure 8), on the ellipsoid or on a volume. */
-iso_status iso_palette_bench_sensitivity(const palette_bench *b, const char *volume, json_t *root, iso_error *err);
 /* Measures Table 1 on a volume. */
 iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, json_t *rows, iso_error *err);
 /* Measures a volume's images from palettes and from codes, against those from floats. */

@@ -6,14 +6,138 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ISO_REAL double
-#define ISO_VEC3 iso_vec3
-#define ISO_MAKE_VEC3(x, y, z) iso_v3(x, y, z)
-#define ISO_FLOOR(x) floor(x)
-#define ISO_ABS(x) fabs(x)
-#define ISO_INT(x) ((int)(x))
-#define ISO_WARP_NEAR 1e-12
-#include "lab/warp_map.h"
+/* ---- positions of fetches: in voxels from a brick's low corner, fine samples at i + 1/2, coarse ones at 2 j --- */
+
+#define WARP_NEAR 1e-12 /* the least 1/2 - v: a few of its type's steps */
+
+/* The coarse neighbor whose primitive contains a point, and the depth of the point in it. */
+typedef struct iso_warp_primitive {
+    iso_vec3 step; /* towards the neighbor, each -1, 0 or 1 */
+    double depth;  /* v, at most 1/2; 0: in none */
+    int axes;      /* across it: 1 face, 2 edge, 3 corner */
+} iso_warp_primitive;
+
+/* The value is (1 - part) F(top) + part C(foot). F is trilinear among the brick's own samples and their border, which has
+ * coarse samples in mode written. C is trilinear among the samples of the coarse neighbor at `step`. */
+typedef struct iso_warp_fetch {
+    iso_vec3 top, foot, step;
+    double part;
+} iso_warp_fetch;
+
+/* Returns the bit of a neighbor among 26. */
+static int iso_warp_bit(iso_vec3 step)
+{
+    return 13 + (int)step.x + 3 * (int)step.y + 9 * (int)step.z;
+}
+
+/* Returns the better primitive. Written: faces before edges before corners (section 4.1); corrected: the deepest, and
+ * of equals the one with fewer axes. */
+static iso_warp_primitive iso_warp_better(iso_warp_primitive best, iso_vec3 step, int axes, double depth,
+                                          unsigned coarse, int mode)
+{
+    bool holds = depth > 0.0 && (coarse >> iso_warp_bit(step) & 1u) != 0u;
+    bool deeper = depth > best.depth, simpler = axes < best.axes;
+    bool wins = mode == ISO_WARP_CORRECTED ? deeper || (depth == best.depth && simpler)
+                                           : simpler || (axes == best.axes && deeper);
+    if (holds && wins) {
+        best.step = step;
+        best.depth = depth;
+        best.axes = axes;
+    }
+    return best;
+}
+
+static double iso_warp_least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/* Chooses a primitive by section 4.2, steps 1 to 3. */
+static iso_warp_primitive iso_warp_choose(iso_vec3 p, double side, unsigned coarse, int mode)
+{
+    double sx = p.x + p.x < side ? -1.0 : 1.0, dx = 0.5 - iso_warp_least(p.x, side - p.x);
+    double sy = p.y + p.y < side ? -1.0 : 1.0, dy = 0.5 - iso_warp_least(p.y, side - p.y);
+    double sz = p.z + p.z < side ? -1.0 : 1.0, dz = 0.5 - iso_warp_least(p.z, side - p.z);
+    double dxy = iso_warp_least(dx, dy), dxz = iso_warp_least(dx, dz), dyz = iso_warp_least(dy, dz);
+    iso_warp_primitive best;
+    best.step = iso_v3(0.0, 0.0, 0.0);
+    best.depth = 0.0;
+    best.axes = 4;
+    best = iso_warp_better(best, iso_v3(sx, 0.0, 0.0), 1, dx, coarse, mode);
+    best = iso_warp_better(best, iso_v3(0.0, sy, 0.0), 1, dy, coarse, mode);
+    best = iso_warp_better(best, iso_v3(0.0, 0.0, sz), 1, dz, coarse, mode);
+    best = iso_warp_better(best, iso_v3(sx, sy, 0.0), 2, dxy, coarse, mode);
+    best = iso_warp_better(best, iso_v3(sx, 0.0, sz), 2, dxz, coarse, mode);
+    best = iso_warp_better(best, iso_v3(0.0, sy, sz), 2, dyz, coarse, mode);
+    return iso_warp_better(best, iso_v3(sx, sy, sz), 3, iso_warp_least(dxy, dz), coarse, mode);
+}
+
+/* Maps an axis along the face at depth v: over a coarse cell a trapezoid (Eq. 6), between cells a triangle (Eq. 8).
+ * Returns (position among the fine samples, position among the coarse ones). */
+static iso_vec3 iso_warp_along(double x, double v)
+{
+    double cell = 2.0 * floor(0.5 * x), local = x - cell;
+    double u = (local - 0.5 + v) / (1.0 + 2.0 * v);
+    if (local >= 0.5 - v && local <= 1.5 + v)
+        return iso_v3(cell + 0.5 + u, cell + 2.0 * u, 0.0);
+    double apex = local > 1.0 ? cell + 2.0 : cell;
+    double shrunk = v < 0.5 ? (x - apex + 0.5 - v) / (1.0 - 2.0 * v) : 0.5;
+    return iso_v3(apex - 0.5 + shrunk, apex, 0.0);
+}
+
+static iso_vec3 iso_warp_corrected_axis(double p, double step, double side, double v)
+{
+    double face = step > 0.0 ? side : 0.0;
+    if (step == 0.0)
+        return iso_warp_along(p, v);
+    return iso_v3(v < 0.5 ? face + (p - face) / (1.0 - 2.0 * v) : face, face, 0.0);
+}
+
+/* Maps an axis across the primitive. crossing: the axis with the farthest face, at depth v: there v' = 2v (Eq. 7, 9).
+ * The others are triangles with their apex on the face. */
+static double iso_warp_written_axis(double p, double step, double side, double depth, bool crossing)
+{
+    double v = iso_warp_least(depth, 0.5 - WARP_NEAR);
+    double face = step > 0.0 ? side : 0.0;
+    if (step == 0.0)
+        return iso_warp_along(p, v).x;
+    return crossing ? face + step * (2.0 * depth - 0.5) : face - 0.5 + (p - face + 0.5 - v) / (1.0 - 2.0 * v);
+}
+
+static bool iso_warp_crosses(double p, double step, double side, double v)
+{
+    return step != 0.0 && 0.5 - fabs(p - (step > 0.0 ? side : 0.0)) <= v;
+}
+
+/* Computes the fetch by section 4.2, step 4. */
+static iso_warp_fetch iso_warp_place(iso_vec3 p, double side, unsigned coarse, int mode)
+{
+    iso_warp_primitive at = iso_warp_choose(p, side, coarse, mode);
+    iso_warp_fetch fetch;
+    fetch.top = p;
+    fetch.foot = p;
+    fetch.step = at.step;
+    fetch.part = 0.0;
+    if (at.depth <= 0.0)
+        return fetch;
+    double v = at.depth;
+    if (mode == ISO_WARP_CORRECTED) {
+        iso_vec3 x = iso_warp_corrected_axis(p.x, at.step.x, side, v),
+                 y = iso_warp_corrected_axis(p.y, at.step.y, side, v),
+                 z = iso_warp_corrected_axis(p.z, at.step.z, side, v);
+        fetch.top = iso_v3(x.x, y.x, z.x);
+        fetch.foot = iso_v3(x.y, y.y, z.y);
+        fetch.part = 2.0 * v;
+        return fetch;
+    }
+    bool cx = iso_warp_crosses(p.x, at.step.x, side, v);
+    bool cy = !cx && iso_warp_crosses(p.y, at.step.y, side, v);
+    bool cz = !cx && !cy && iso_warp_crosses(p.z, at.step.z, side, v);
+    fetch.top = iso_v3(iso_warp_written_axis(p.x, at.step.x, side, v, cx),
+                       iso_warp_written_axis(p.y, at.step.y, side, v, cy),
+                       iso_warp_written_axis(p.z, at.step.z, side, v, cz));
+    return fetch;
+}
 
 /* ---- samples ------------------------------------------------------------------ */
 
@@ -170,38 +294,6 @@ double iso_warp_sample_in(const iso_warp_field *f, const size_t brick[3], const 
     return value;
 }
 
-void iso_warp_sample(const iso_warp_field *f, iso_vec3 index, double out[ISO_WARP_CHANNELS])
-{
-    double p[3] = {index.x, index.y, index.z};
-    size_t brick[3];
-    for (int a = 0; a < 3; ++a) {
-        p[a] = fmin(fmax(p[a], 0), (double)f->size[a]);
-        size_t b = (size_t)(p[a] / (double)f->brick_voxels), last = iso_warp_bricks(f, a) - 1;
-        brick[a] = b < last ? b : last;
-    }
-    sample_in(f, brick, p, f->channels, out);
-}
-
-size_t iso_warp_cache_side(const iso_warp_field *f, const size_t brick[3])
-{
-    const int here[3] = {0, 0, 0};
-    return is_coarse(f, brick, here) ? f->brick_voxels / 2 + 1 : f->brick_voxels + 2;
-}
-
-void iso_warp_bake(const iso_warp_field *f, const size_t brick[3], float *restrict out)
-{
-    const size_t side = iso_warp_cache_side(f, brick);
-    const bool coarse = side != f->brick_voxels + 2;
-    sample_function *sample = coarse ? sample_coarse : f->mode == ISO_WARP_WRITTEN ? sample_fixed_up : sample_fine;
-    const long step = (long)f->brick_voxels / (coarse ? 2 : 1), border = coarse ? 0 : 1;
-    for (size_t i = 0; i < side * side * side; ++i) {
-        const long at[3] = {(long)brick[0] * step + (long)(i % side) - border,
-                            (long)brick[1] * step + (long)(i / side % side) - border,
-                            (long)brick[2] * step + (long)(i / (side * side)) - border};
-        memcpy(out + f->channels * i, sample(f, brick, at), f->channels * sizeof *out);
-    }
-}
-
 /* ---- creation ------------------------------------------------------------------- */
 
 /* Computes coarse samples: means of the eight voxels around each. */
@@ -243,47 +335,10 @@ iso_status iso_warp_field_create(iso_warp_field *f, const float *fine, size_t ch
     return ISO_OK;
 }
 
-iso_status iso_warp_field_of_level(iso_warp_field *f, const iso_level *level, iso_code code, size_t brick_voxels,
-                                   iso_error *err)
-{
-    const size_t *from = level->geometry.size;
-    size_t size[3], count = 1;
-    *f = (iso_warp_field){0};
-    if (brick_voxels == 0)
-        return iso_fail(err, ISO_E_RANGE, "warped bricks: 0 voxels per side, must be at least 1");
-    for (int a = 0; a < 3; ++a)
-        count *= size[a] = (from[a] + brick_voxels - 1) / brick_voxels * brick_voxels;
-    float *fine = malloc(count * ISO_WARP_CHANNELS * sizeof *fine);
-    float *row = malloc(3 * from[0] * sizeof *row);
-    if (!fine || !row) {
-        free(fine);
-        free(row);
-        return iso_fail(err, ISO_E_MEMORY, "warped bricks: no memory for %zu voxels", count);
-    }
-    for (size_t yz = 0; yz < size[1] * size[2]; ++yz) {
-        const size_t first = from[0] * (clamp_index((long)(yz % size[1]), from[1]) +
-                                        from[1] * clamp_index((long)(yz / size[1]), from[2]));
-        iso_code_decode_all(code, level->codes + 3 * first, row, from[0]);
-        for (size_t x = 0; x < size[0]; ++x) {
-            const size_t i = clamp_index((long)x, from[0]);
-            float *voxel = fine + ISO_WARP_CHANNELS * (yz * size[0] + x);
-            voxel[0] = level->scalar[first + i];
-            memcpy(voxel + 1, row + 3 * i, 3 * sizeof *row);
-        }
-    }
-    free(row);
-    iso_status status = iso_warp_field_create(f, fine, ISO_WARP_CHANNELS, size, brick_voxels, err);
-    f->owned = fine;
-    if (status != ISO_OK)
-        iso_warp_field_destroy(f);
-    return status;
-}
-
 void iso_warp_field_destroy(iso_warp_field *f)
 {
     if (!f)
         return;
     free(f->coarse);
-    free(f->owned);
     *f = (iso_warp_field){0};
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* warp.h - the smooth transitions of [beyer-2008], section 4, as in the paper and
- * corrected, for comparison with brick/bricks.h. lab/warp_map.h defines the positions
- * of their fetches for this module and for the shaders.
+ * corrected, for comparison with brick/bricks.h.
  *
  * Two levels. Fine samples are the voxel centers i + 1/2. Coarse ones are half-way
  * between them, at even positions 2 j (mean of the eight voxels around), so that
@@ -37,7 +36,6 @@
 
 #include "pyramid/pyramid.h"
 
-/* Same order as ISO_TRANSITION_... of warp_map.h. */
 typedef enum iso_warp_mode { ISO_WARP_NONE, ISO_WARP_WRITTEN, ISO_WARP_CORRECTED, ISO_WARP_MODE_COUNT } iso_warp_mode;
 
 #define ISO_WARP_CHANNELS 4 /* limit: a scalar and a direction */
@@ -47,7 +45,6 @@ typedef struct iso_warp_field {
     size_t brick_voxels;   /* even */
     size_t channels;       /* per sample, 1 to ISO_WARP_CHANNELS */
     const float *fine;     /* `channels` per voxel, x fastest */
-    float *owned;          /* the samples of `fine` if made here, or NULL */
     float *coarse;         /* owned; size / 2 + 1 samples along each axis */
     const uint8_t *levels; /* one per brick: 0 fine, 1 coarse; x fastest */
     iso_warp_mode mode;
@@ -57,10 +54,6 @@ typedef struct iso_warp_field {
  * even side; ISO_E_MEMORY. */
 iso_status iso_warp_field_create(iso_warp_field *f, const float *fine, size_t channels, const size_t size[3],
                                  size_t brick_voxels, iso_error *err);
-/* Creates a field from the scalar and the decoded directions of a level, extended by its edge to whole bricks. Coarse
- * directions are means, shorter if the eight disagree. */
-iso_status iso_warp_field_of_level(iso_warp_field *f, const iso_level *level, iso_code code, size_t brick_voxels,
-                                   iso_error *err);
 void iso_warp_field_destroy(iso_warp_field *f); /* accepts empty and NULL */
 
 static inline size_t iso_warp_bricks(const iso_warp_field *f, int axis)
@@ -68,18 +61,10 @@ static inline size_t iso_warp_bricks(const iso_warp_field *f, int axis)
     return f->size[axis] / f->brick_voxels;
 }
 
-/* Returns a bit for each coarse neighbor (iso_warp_bit of warp_map.h); 0 for a coarse brick. */
+/* Returns a bit for each coarse neighbor; 0 for a coarse brick. */
 unsigned iso_warp_neighbors(const iso_warp_field *f, const size_t brick[3]);
-
-/* Computes a brick's samples for a cache, f->channels per sample, x fastest. Fine bricks have side + 2 voxels along
- * each axis, with a border from the field or, in mode written, from the nearest coarse samples. Coarse bricks have side
- * / 2 + 1. */
-size_t iso_warp_cache_side(const iso_warp_field *f, const size_t brick[3]);
-void iso_warp_bake(const iso_warp_field *f, const size_t brick[3], float *restrict out);
 
 /* Samples one brick (its first channel) at index position p in its closed box: on a face, the limit from that side. */
 double iso_warp_sample_in(const iso_warp_field *f, const size_t brick[3], const double p[3]);
-/* Samples all channels at index coordinates, clamped to the volume. */
-void iso_warp_sample(const iso_warp_field *f, iso_vec3 index, double out[ISO_WARP_CHANNELS]);
 
 #endif

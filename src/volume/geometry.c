@@ -110,11 +110,3 @@ iso_mat3 iso_geometry_gradient_to_world(const iso_geometry *g)
     return iso_mat3_transpose(iso_mat3_inverse(g->index_to_world));
 }
 
-bool iso_geometry_is_axis_aligned(const iso_geometry *g)
-{
-    for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c)
-            if (r == c ? g->index_to_world.m[r][c] <= 0 : g->index_to_world.m[r][c] != 0)
-                return false;
-    return true;
-}

@@ -70,7 +70,5 @@ iso_vec3 iso_geometry_box_center_mm(const iso_geometry *g);
 double iso_geometry_box_radius_mm(const iso_geometry *g);
 /* Returns transpose(inverse(index_to_world)), which turns index gradients to world gradients. */
 iso_mat3 iso_geometry_gradient_to_world(const iso_geometry *g);
-/* True if the axes have no rotation, shear or reflection. */
-bool iso_geometry_is_axis_aligned(const iso_geometry *g);
 
 #endif

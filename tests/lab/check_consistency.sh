@@ -56,23 +56,4 @@ done
 refuse too_many_views 2 --views "$LAB" consistency --shading --views 7 -q
 refuse a_surface_beyond_the_range 2 --surface "$LAB" consistency --shading --surface 1.5 -q
 expect a_missing_volume 3 "$LAB" "${quick[@]}" missing.nrrd
-
-# Where filters fail: the holes of undefined directions are there, and the default has fewer.
-expect holes_run 0 "$LAB" consistency --holes --size 48 --json -q -o holes
-check the_default_has_fewer_holes python3 - out <<'PY'
-import json, sys
-h = {row['filter']: row['hole_fraction'] for row in json.load(open(sys.argv[1]))['holes']}
-assert h['on-the-fly'] > 0.03, h  # the artefact is there,
-assert h['naive'] > 0.005, h      # in the baselines that [diaz-garcia-2017] warns of,
-assert h['moments'] < 0.5 * h['naive'], h
-assert h['flipped'] <= h['moments'], h
-PY
-has_files the_figure_has holes holes.csv holes.gp holes.svg finest.png naive.png
-expect filters_run 0 "$LAB" consistency --filters --size 16 --voxels 18 -q -o filters
-check every_scene_has_a_best test "$(grep -c '\*' out)" -ge 9
-check the_chart_is_there test -s filters/filters.svg
-mkdir mine && touch mine/file
-expect a_foreign_folder_is_left_alone 3 "$LAB" consistency --holes --size 16 --voxels 18 -q -o mine
-check and_keeps_its_file test -e mine/file
-refuse a_format_that_is_none 2 --format "$LAB" consistency --holes --format gif -q
 exit $failed

@@ -78,21 +78,4 @@ refuse an_unknown_base 2 --against "$LAB" "${few[@]}" shells.nrrd --against best
 refuse an_unknown_tf 2 --tfs "$LAB" "${few[@]}" shells.nrrd --tfs surface
 refuse no_volume 2 volume "$LAB" levels -q
 expect a_missing_volume 3 "$LAB" "${few[@]}" missing.nrrd
-
-# isoshade-lab noise: coarse levels of a noisy sphere are nearer to the truth than to their own level 0.
-expect noise_runs 0 "$LAB" noise sphere.nrrd --quick --levels 3 --json -q
-check what_was_never_signal python3 - out <<'PY'
-import json, sys
-r = json.load(open(sys.argv[1]))
-case = {(c['volume'], c['noise'] > 0, c['directions']): c for c in r['cases']}
-clean, noisy, smooth = (case['sphere', n, d] for n, d in ((False, 'central'), (True, 'central'), (True, 'smooth')))
-assert clean['dssim_of_finest'] == 0 and noisy['dssim_of_finest'] > 0.01
-for level in clean['levels']:
-    assert level['dssim_to_own'] == level['dssim_to_truth']
-assert noisy['levels'][1]['dssim_to_truth'] < 0.7 * noisy['levels'][1]['dssim_to_own'], noisy
-assert smooth['angle_mean_deg'] < 0.5 * noisy['angle_mean_deg']
-assert smooth['levels'][0]['dssim_to_truth'] < noisy['levels'][0]['dssim_to_truth']
-assert any(c['volume'] == 'sphere.nrrd' for c in r['cases'])
-PY
-refuse noise_beyond_the_range 2 --noise "$LAB" noise --noise 2 -q
 exit $failed

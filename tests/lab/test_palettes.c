@@ -40,33 +40,25 @@ static double fitted_norm1(const iso_direction_set *set, iso_palette_rival metho
 
 TEST(regular_subdivision_has_the_published_counts)
 {
-    const size_t faces[] = {60, 240, 960, 3840}, vertices[] = {32, 122, 482, 1922};
-    for (int level = 0; level < 4; ++level) {
+    const size_t faces[] = {60, 240, 960, 3840};
+    for (int level = 0; level < 4; ++level)
         assert_int_equal(iso_subdivision_faces(level), faces[level]);
-        assert_int_equal(iso_subdivision_vertices(level), vertices[level]);
-    }
     OWNED(iso_direction_set) none = set_of(NULL, NULL, 0);
-    iso_palette p = rival(&none, ISO_RIVAL_FACES, 1022); /* the largest level that is not above */
+    OWNED(iso_palette) p = rival(&none, ISO_RIVAL_FACES, 1022); /* the largest level that is not above */
     assert_int_equal(p.count, 961);
-    iso_palette_destroy(&p);
-    p = rival(&none, ISO_RIVAL_VERTICES, 254);
-    assert_int_equal(p.count, 123);
-    iso_palette_destroy(&p);
 }
 
 /* Every fixed table: unit entries, the zero vector first, and no direction farther away than a covering of its size
- * may leave: the equal-area cap's angle is 2 asin(sqrt(1 / n)); a good table stays within twice of it, Glassner's
- * codes, stretched at the disc's edge, within six times. */
+ * may leave: the equal-area cap's angle is 2 asin(sqrt(1 / n)); a good table stays within twice of it. */
 TEST(fixed_tables_cover_the_sphere)
 {
-    const iso_palette_rival methods[] = {ISO_RIVAL_FACES, ISO_RIVAL_VERTICES, ISO_RIVAL_FIBONACCI, ISO_RIVAL_GRID,
-                                         ISO_RIVAL_SPIRAL};
+    const iso_palette_rival methods[] = {ISO_RIVAL_FACES, ISO_RIVAL_FIBONACCI};
     iso_random random = {7};
     FREED float *v = malloc(3 * 4000 * sizeof *v);
     for (size_t i = 0; i < 4000; ++i)
         random_unit(&random, v + 3 * i);
     OWNED(iso_direction_set) set = set_of(v, NULL, 4000);
-    for (size_t m = 0; m < 5; ++m) {
+    for (size_t m = 0; m < 2; ++m) {
         OWNED(iso_palette) p = rival(&set, methods[m], 254);
         iso_palette_error e;
         assert_true(p.xyz[0] == 0 && p.xyz[1] == 0 && p.xyz[2] == 0);
@@ -76,7 +68,7 @@ TEST(fixed_tables_cover_the_sphere)
         }
         assert_ok(iso_palette_measure(&set, &p, &e, &err));
         double cap = 2 * asin(sqrt(1.0 / (double)(p.count - 1))) * 180 / acos(-1);
-        assert_at_most(e.max_deg, (m < 3 ? 2 : 6) * cap);
+        assert_at_most(e.max_deg, 2 * cap);
     }
 }
 
@@ -84,7 +76,7 @@ TEST(fixed_tables_cover_the_sphere)
 TEST(regular_faces_come_in_opposite_pairs)
 {
     float xyz[3 * 240];
-    assert_ok(iso_palette_subdivide(1, true, xyz, &err));
+    assert_ok(iso_palette_subdivide(1, xyz, &err));
     for (size_t i = 0; i < 240; ++i) {
         double best = 1;
         for (size_t j = 0; j < 240; ++j)
@@ -101,19 +93,16 @@ TEST(methods_rank_as_published)
     FREED float *v = ellipsoid(2000);
     OWNED(iso_direction_set) set = set_of(v, NULL, 2000);
     double regular = fitted_norm1(&set, ISO_RIVAL_FACES, 254), annealed = fitted_norm1(&set, ISO_RIVAL_ANNEAL, 254);
-    double kmeans = fitted_norm1(&set, ISO_RIVAL_KMEANS, 254), lbg = fitted_norm1(&set, ISO_RIVAL_LBG, 254);
     assert_more_than(regular, 2 * annealed);
-    assert_more_than(annealed, kmeans);
-    assert_more_than(lbg, kmeans);
+    assert_more_than(annealed, fitted_norm1(&set, ISO_RIVAL_KMEANS, 254));
 }
 
-/* The product's default does not reach its errors by these: tests/test_palette.c has the limit. */
-TEST(simpler_relatives_miss_the_default_s_limit)
+/* The product's default does not reach its errors by this: tests/test_palette.c has the limit. */
+TEST(a_simpler_relative_misses_the_default_s_limit)
 {
     FREED float *v = ellipsoid(ELLIPSOID);
     OWNED(iso_direction_set) set = set_of(v, NULL, ELLIPSOID);
     assert_more_than(fitted_norm1(&set, ISO_RIVAL_KMEANSPP, 254), 3.95);
-    assert_more_than(fitted_norm1(&set, ISO_RIVAL_LLOYD, 254), 3.95);
 }
 
 TEST(entries_are_the_resultants_of_their_directions)

@@ -21,7 +21,8 @@ size_t iso_subdivision_faces(int level)
 {
     return (size_t)60 << (2 * level);
 }
-size_t iso_subdivision_vertices(int level)
+
+static size_t subdivision_vertices(int level)
 {
     return ((size_t)30 << (2 * level)) + 2;
 }
@@ -107,12 +108,12 @@ static void refine_mesh(mesh *m, uint32_t (*edges)[3], size_t mask)
     }
 }
 
-iso_status iso_palette_subdivide(int level, bool faces, float *xyz, iso_error *err)
+iso_status iso_palette_subdivide(int level, float *xyz, iso_error *err)
 {
     size_t face_count = iso_subdivision_faces(level), mask = 127;
     while (mask + 1 < 2 * face_count)
         mask = 2 * mask + 1;
-    mesh m = {.vertices = malloc(iso_subdivision_vertices(level) * sizeof *m.vertices),
+    mesh m = {.vertices = malloc(subdivision_vertices(level) * sizeof *m.vertices),
               .faces = malloc(face_count * sizeof *m.faces)};
     uint32_t(*edges)[3] = malloc((mask + 1) * sizeof *edges);
     iso_status status = ISO_OK;
@@ -122,9 +123,7 @@ iso_status iso_palette_subdivide(int level, bool faces, float *xyz, iso_error *e
         start_mesh(&m);
         for (int i = 0; i < level; ++i)
             refine_mesh(&m, edges, mask);
-        for (size_t i = 0; !faces && i < m.vertex_count; ++i)
-            put(xyz, i, m.vertices[i]);
-        for (size_t i = 0; faces && i < m.face_count; ++i) {
+        for (size_t i = 0; i < m.face_count; ++i) {
             iso_vec3 a = m.vertices[m.faces[i][0]], b = m.vertices[m.faces[i][1]], c = m.vertices[m.faces[i][2]];
             put(xyz, i, iso_cross(iso_sub(b, a), iso_sub(c, a)));
         }
@@ -133,54 +132,4 @@ iso_status iso_palette_subdivide(int level, bool faces, float *xyz, iso_error *e
     free(m.faces);
     free(edges);
     return status;
-}
-
-/* ---- [glassner-1990]: the normal seen along z, coded by its x and y ---------------- */
-
-static int grid_side(size_t directions)
-{
-    return (int)floor(sqrt((double)(directions / 2)));
-}
-
-/* Computes the center of cell (i, j), or of its part in the disc; false if the cell is outside the disc. */
-static bool grid_entry(int side, int i, int j, double sign, iso_vec3 *out)
-{
-    double x = (2 * i + 1.0) / side - 1, y = (2 * j + 1.0) / side - 1, half = 1.0 / side;
-    double near_x = fmax(fabs(x) - half, 0), near_y = fmax(fabs(y) - half, 0);
-    if (near_x * near_x + near_y * near_y >= 1)
-        return false;
-    double r2 = x * x + y * y;
-    *out = iso_v3(x, y, sign * sqrt(fmax(0, 1 - r2))); /* outside the disc: on its edge after normalization */
-    return true;
-}
-
-size_t iso_palette_grid(size_t directions, float *xyz)
-{
-    int side = grid_side(directions);
-    size_t count = 0;
-    for (int s = 0; s < 2; ++s)
-        for (int j = 0; j < side; ++j)
-            for (int i = 0; i < side; ++i) {
-                iso_vec3 v;
-                if (!grid_entry(side, i, j, s ? -1 : 1, &v))
-                    continue;
-                if (xyz)
-                    put(xyz, count, v);
-                ++count;
-            }
-    return count;
-}
-
-/* Places directions on a spiral. Equal areas of the disc: radius sqrt((i + 1/2) / n). The distance between turns is
- * that of the steps along them, so that the angle is 2 sqrt(pi (i + 1/2)). */
-void iso_palette_spiral(size_t directions, float *xyz)
-{
-    const double pi = acos(-1);
-    size_t upper = (directions + 1) / 2;
-    for (size_t i = 0; i < directions; ++i) {
-        size_t n = i < upper ? upper : directions - upper, k = i < upper ? i : i - upper;
-        double r2 = ((double)k + 0.5) / (double)n, angle = 2 * sqrt(pi * ((double)k + 0.5));
-        double z = sqrt(1 - r2) * (i < upper ? 1 : -1);
-        put(xyz, i, iso_v3(sqrt(r2) * cos(angle), sqrt(r2) * sin(angle), z));
-    }
 }

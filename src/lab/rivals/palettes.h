@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* palettes.h - the palettes of [bremer-2001] and their rivals; palette/palette.h has the product's.
  *
- * Papers: [bremer-2001] (annealing of a tessellation); [van-gelder-1996] (regular subdivision); [glassner-1990];
- * [linde-1980] (Lloyd, LBG); [arthur-2007] (k-means++).
+ * Papers: [bremer-2001] (annealing of a tessellation); [van-gelder-1996] (regular subdivision); [arthur-2007]
+ * (k-means++).
  *
- *   palettes.c          the choice of a method; Lloyd, LBG, k-means++; the paper's ellipsoid
- *   palette_tables.c    fixed tables: subdivision, Glassner's two
+ *   palettes.c          the choice of a method; k-means++; the paper's ellipsoid
+ *   palette_tables.c    regular subdivision
  *   palette_anneal.c    the paper's method, on the triangulation of palette_mesh.c */
 #ifndef ISO_LAB_PALETTES_H
 #define ISO_LAB_PALETTES_H
@@ -17,13 +17,8 @@
 #define ISO_PALETTE_RIVAL_LIST(X) \
     X(ISO_RIVAL_KMEANS, "kmeans") /* the product's */ \
     X(ISO_RIVAL_KMEANSPP, "kmeans++") /* greedy k-means++ and Lloyd */ \
-    X(ISO_RIVAL_LLOYD, "lloyd") /* Lloyd from random members */ \
-    X(ISO_RIVAL_LBG, "lbg") /* Lloyd by splitting [linde-1980] */ \
     X(ISO_RIVAL_ANNEAL, "anneal") /* annealing of a tessellation [bremer-2001] */ \
     X(ISO_RIVAL_FACES, "faces") /* regular subdivision, triangle normals (60, 240, 960, 3840) */ \
-    X(ISO_RIVAL_VERTICES, "vertices") /* regular subdivision, vertices (32, 122, 482, 1922) */ \
-    X(ISO_RIVAL_GRID, "grid") /* Glassner's equal intervals of x and y, and the sign of z */ \
-    X(ISO_RIVAL_SPIRAL, "spiral") /* Glassner's equal-area spiral, one for each sign of z */ \
     X(ISO_RIVAL_FIBONACCI, "fibonacci") /* the product's lattice */
 /* clang-format on */
 
@@ -51,7 +46,7 @@ typedef struct iso_rival_options {
 iso_rival_options iso_rival_defaults(void);
 
 /* Fits a palette. Fitted methods give each direction an entry if there are fewer than entries. Fixed tables and anneal
- * keep their structure for any data: faces and vertices use the largest level not above the number of entries, anneal
+ * keep their structure for any data: faces use the largest level not above the number of entries, anneal
  * needs an even number. ISO_E_RANGE: options outside their limits; ISO_E_MEMORY. */
 iso_status iso_rival_palette_fit(const iso_direction_set *set, const iso_rival_options *opt, iso_palette *palette,
                                  iso_error *err);
