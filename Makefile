@@ -184,6 +184,12 @@ demo: $(needs_setup:setup-check=setup-demo) ## build, and validate a real volume
 	@$(again) all
 	@sh refscenes/demo.sh
 
+# FIDELITY_DATA=DIR: real volumes, for three more scenes.
+fidelity: $(needs_setup) ## compare all renderers of this machine, and make build/fidelity/site of certificates
+	@$(again) all
+	@bash tests/peers/fidelity.sh $(FIDELITY_DATA)
+.PHONY: fidelity
+
 check: $(needs_setup) ## build and run all tests, also with sanitizers
 	@$(again) config=release WERROR=-Werror all tests
 	@$(again) config=sanitize WERROR=-Werror all tests

@@ -3,8 +3,8 @@
 # Draws the pictures of doc/ again, into doc/figures.
 #   sh refscenes/figures.sh              all of them: hours, since some time a machine
 #   sh refscenes/figures.sh quick        those that take minutes: hero sheet report levels adaptive-tf seams failures palettes papers kinds
-#   sh refscenes/figures.sh NAME ...     these; the others are codes sensitivity scale chart chart-page opened viewer addon
-#                                        first-pictures
+#   sh refscenes/figures.sh NAME ...     these; the others are codes sensitivity scale chart chart-page
+#                                        certificates opened viewer addon first-pictures
 # What needs a volume or a program that is not there says so and is left out: the volume of $ENGINE (256 x 256 x 128, else
 # ../shared/data/engine_256x256x128.nrrd), the folder $VOLUMES of doc/results/first-pictures.md, Xvfb, ImageMagick,
 # Chromium, teem-unu (of teem-apps).
@@ -50,6 +50,11 @@ chart_page() { # doc/results/chart.md
     "$isoshade" chart $templates/ch2bet.nii.gz --scene refscenes/brain.scene.json --budget 25 -q -o "$work/chart-quick" >/dev/null
     python3 tests/chart_page.py "$work/chart-quick/index.html" "$work"
     cp "$work/wide.jpg" "$out/chart-page.jpg"
+}
+certificates() { # doc/results/fidelity.md
+    bash tests/peers/fidelity.sh
+    PYTHONPATH=tests:tests/peers python3 tests/certificate_page.py build/fidelity/site/index.html \
+        "$out/certificates.png"
 }
 opened() { # doc/guide/blender.md: the window of Blender by Xvfb, and ImageMagick's import
     "$isoshade" export $templates/ch2bet.nii.gz --to blender --scene refscenes/hero.scene.json --level 1 --size 400x330 \
@@ -146,6 +151,7 @@ needs() { # name
         report) echo $templates/ch2bet.nii.gz chromium ;;
         levels) echo $templates/ch2.nii.gz blender ;;
         viewer | chart-page) echo $templates/ch2bet.nii.gz chromium python3 ;;
+        certificates) echo chromium blender povray npm xvfb-run ;;
         opened) echo $templates/ch2bet.nii.gz blender xvfb-run import ;;
         failures) echo chromium ;;
         addon) echo blender xvfb-run convert ;;
@@ -162,7 +168,7 @@ missing() { # name: the first thing that it needs and that is not there
 }
 
 quick="hero sheet report levels adaptive-tf seams failures palettes papers kinds"
-longer="codes sensitivity scale chart chart-page opened viewer addon first-pictures"
+longer="codes sensitivity scale chart chart-page certificates opened viewer addon first-pictures"
 [ $# -gt 0 ] || set -- $quick $longer
 [ "$*" != quick ] || set -- $quick
 skipped=

@@ -2,9 +2,9 @@
 """Uses a site of certificates in Chromium as a reader does, for tests/check_certificate.sh: a line per finding.
 
 certificate_page.py INDEX.html            findings
-certificate_page.py INDEX.html FOLDER     screenshots: wide and a telephone's, light and dark"""
+certificate_page.py INDEX.html OUT.png    a screenshot of its top"""
+import base64
 import json
-import os
 import sys
 
 from chart_page import READY, say, size
@@ -93,15 +93,18 @@ def findings(path):
         say("exceptions", sum(e["method"] == "Runtime.exceptionThrown" for e in page.events))
 
 
-def shots(path, folder):
-    views = (("wide", 1240, 1240, "light"), ("wide-dark", 1240, 1240, "dark"), ("telephone", 390, 1600, "light"))
+def shot(path, picture):
+    """The overview, and the first cards of a scene."""
+    area = {"x": 0, "y": 340, "width": 1240, "height": 1330, "scale": 0.56}
     with Chromium(size=(1300, 1000)) as page:
-        for name, width, height, scheme in views:
-            size(page, width, height, scheme)
-            page.open(path, READY)
-            page.wait("!document.querySelector('.card canvas') || document.querySelector('.card canvas').width > 1")
-            page.screenshot(os.path.join(folder, f"{name}.png"))
+        size(page, 1240, 2000)
+        page.open(path, READY)
+        choose(page, "data-filter=scene", "marschner-lobb")
+        page.wait(f"{CARDS}.slice(0, 3).every(c => c.querySelector('canvas').width > 1)")
+        data = page.call("Page.captureScreenshot", format="png", clip=area)["data"]
+    with open(picture, "wb") as f:
+        f.write(base64.b64decode(data))
 
 
 if __name__ == "__main__":
-    shots(*sys.argv[1:]) if len(sys.argv) > 2 else findings(sys.argv[1])
+    shot(*sys.argv[1:]) if len(sys.argv) > 2 else findings(sys.argv[1])

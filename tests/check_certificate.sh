@@ -36,6 +36,7 @@ of() { jq -r "$1" site/certificates.json; }
 check four_certificates test "$(of '.certificates | length')" = 4
 check the_renderers_keep_their_order test "$(of '[.renderers[].renderer] | join(" ")')" = "gl cpu gamma gone"
 check the_mistake_is_named test "$(of '.certificates[2].mistake' | grep -c 'in sRGB')" = 1
+check its_picture_is_shown_all_the_same test "$(of '.certificates[2] | .image_b != null and .rmse > 0.01')" = true
 check features_are_listed test "$(of '.certificates[2].lacks | index("label maps") != null')" = true
 check what_is_missing_is_so test "$(of '.certificates[3].missing')" = true
 badge() { python3 -c '
@@ -52,9 +53,14 @@ check badges_escape_titles grep -q 'a &lt;b&gt; &amp; &quot;c&quot;' site/badges
 "$ISOSHADE" certificate good bad --json -o site | jq .certificates >printed
 check json_has_the_same cmp printed <(of .certificates)
 
+python3 "$top/tests/peers/fidelity_table.py" site/certificates.json >table
+check a_table_has_a_row_for_each test "$(grep -c '^| OpenGL ray caster \|^| CPU ray caster \|^| Gone ' table)" = 6
+check it_names_the_mistake grep -q '| refused | .*draws as if the picture were in sRGB' table
+
 # The planted fault of the data: one row that differs, one level that is not there.
 cp -r good differs
-jq '(.agreement[] | select(.renderer == "gl" and .level == 1) | .verdict) = "differ"' good/report.json >differs/report.json
+jq '(.agreement[] | select(.renderer == "gl" and .level == 1) | .verdict) = "differ"' good/report.json \
+    >differs/report.json
 expect it_is_no_failure_of_the_command 0 "$ISOSHADE" certificate differs -o differing
 words_of() { jq -r ".renderers[$2].words" "$1/certificates.json"; }
 check the_badge_shows_it test "$(words_of differing 0)" = "differs in 1 of 1 scene"

@@ -268,7 +268,7 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
     json_t *o = json_pack("{s:I, s:o, s:o, s:s, s:s, s:s, s:s, s:o}", "level", (json_int_t)row->level, "scene",
                           text(row->scene), "a", text(row->a), "b", name, "renderer", renderer, "comparison",
                           iso_comparison_word(row->comparison), "variant", variant, "tier", text(row->tier));
-    if (row->refused || (row->uncompared && !row->image_b)) {
+    if ((row->refused || row->uncompared) && !row->image_b) {
         const iso_metrics none = {
             .rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
         json_object_update_new(o, iso_metrics_to_json(&none));

@@ -68,6 +68,8 @@ static iso_status add_lock_step(iso_validation *v, size_t level, iso_report_agre
     const double start = v->row_start;
     iso_metrics seen = {0};
     bool holds = false;
+    if (row->refused)
+        return iso_validate_add_row(v, level, row, same, with, err);
     iso_status status = iso_metrics_measure(&same->image, with->image, &seen, err);
     const bool first = has_exact && !iso_metrics_within(&seen, &row->tolerances);
     if (status == ISO_OK && first)
@@ -85,6 +87,14 @@ static iso_status add_lock_step(iso_validation *v, size_t level, iso_report_agre
  * more than most scenes show. */
 enum { STATED_SIGNAL = 10 };
 
+/* True if a renderer that failed its calibration is drawn all the same, without a verdict: its picture of level 0 helps
+ * to find the cause. */
+static bool is_shown(const iso_validation *v, size_t level, const iso_renderer_info *renderer)
+{
+    return v->refused[iso_renderer_index(renderer)].draws && level == 0 && !v->variant[0] &&
+           !iso_renderer_lacks(renderer, v->pyramid, v->view, false) && !iso_validate_is_out_of_time(v);
+}
+
 static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_info *renderer, iso_error *err)
 {
     const iso_lock_step *lock = renderer->lock_step;
@@ -100,7 +110,7 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
                                 .error_bar = NAN,
                                 .why = lock->why,
                                 .tolerances = iso_validate_lock_step(renderer, v->view, v->scene->agreement.sharp)};
-    if (iso_validate_cannot_compare(v, renderer, &row, why))
+    if (iso_validate_cannot_compare(v, renderer, &row, why) && !is_shown(v, level, renderer))
         return iso_validate_add_without_images(v, level, row, same.name, renderer, err);
     snprintf(what, sizeof what, stated ? "%s-stated" : "%s-lockstep", renderer->name);
     iso_validate_begin_row(v, level, what);

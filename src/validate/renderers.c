@@ -142,6 +142,7 @@ static iso_status add_check(iso_validation *v, const fitness *f, const iso_calib
         row.not_asked = true;
     } else if (!c->passed && refusal->status == ISO_OK) {
         refusal->status = ISO_E_UNTRUSTED;
+        refusal->draws = !isnan(c->value);
         if (isnan(c->value))
             snprintf(refusal->why, sizeof refusal->why, "failed its calibration: %s cannot be measured", c->check);
         else

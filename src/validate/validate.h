@@ -42,6 +42,7 @@ typedef enum iso_level_scales {
 /* Why a renderer is not compared. */
 typedef struct iso_refusal {
     iso_status status; /* ISO_OK: it is compared; ISO_E_MISSING; ISO_E_UNTRUSTED: it failed its calibration */
+    bool draws;        /* True if its pictures of the calibration are wrong, so that it can show the scene as well */
     char why[512];
 } iso_refusal;
 
