@@ -99,6 +99,8 @@ damaged of_another_program 4 'not a report.json of isoshade validate' '.schema =
 damaged without_rows 4 'no comparison of a renderer' '.agreement = []'
 damaged a_row_without_a_scene 4 'agreement, row 2: scene is no text' 'del(.agreement[1].scene)'
 damaged a_row_without_a_level 4 'agreement, row 2: level is no number' '.agreement[1].level = "1"'
+damaged a_level_below_0 4 'agreement, row 2: level is no number' '.agreement[1].level = -3'
+damaged a_row_without_limits 4 'limits no object' '.agreement[1].limits = null'
 damaged a_renderer_that_is_a_path 4 'invalid renderer "../gl"' '.agreement[0].renderer = "../gl"'
 damaged a_picture_that_is_a_path 4 'invalid name of a picture' '.agreement[].image_b = "../x"'
 damaged an_unknown_verdict 4 'unknown verdict "fine"' '.agreement[0].verdict = "fine"'

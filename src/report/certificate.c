@@ -37,9 +37,10 @@ static iso_status check_row(const char *path, size_t number, const json_t *row, 
         if (!json_is_string(json_object_get(row, texts[i])))
             return iso_fail(err, ISO_E_FORMAT, "%s: agreement, row %zu: %s is no text; the report is damaged", path,
                             number + 1, texts[i]);
-    if (!json_is_integer(json_object_get(row, "level")))
-        return iso_fail(err, ISO_E_FORMAT, "%s: agreement, row %zu: level is no number; the report is damaged", path,
-                        number + 1);
+    const json_t *level = json_object_get(row, "level");
+    if (!json_is_integer(level) || json_integer_value(level) < 0 || !json_is_object(json_object_get(row, "limits")))
+        return iso_fail(err, ISO_E_FORMAT, "%s: agreement, row %zu: level is no number, or limits no object; %s", path,
+                        number + 1, "the report is damaged");
     const char *name = iso_row_text(row, "renderer"); /* it becomes a file's name */
     if (name[0] == '.' || strspn(name, good) != strlen(name) || strlen(name) > 64)
         return iso_fail(err, ISO_E_FORMAT, "%s: agreement, row %zu: invalid renderer \"%.64s\"; use a-z, digits, - _ .",
