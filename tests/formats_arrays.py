@@ -199,10 +199,11 @@ def netcdf():
                 at[:] = FIRST[i] + np.arange(SIZE[i]) * SPACING[i] * (-1 if name == "y" else 1)
                 at.units = "m" if name == "z" else "micron"
             v = file.createVariable("density", "f4", ("z", "y", "x"), **({"zlib": True} if kind == "NETCDF4" else {}))
-            v[:] = values
+            v[:], v.units = values, "kg m-3"
         unit = np.array([1e-3, 1e-3, 1e3])
         # coordinates are floats
-        same("phantom.nc", values, np.diag(SPACING * [1, -1, 1] * unit), FIRST * unit, False, unit="um", tolerance=1e-3)
+        same("phantom.nc", values, np.diag(SPACING * [1, -1, 1] * unit), FIRST * unit, False, unit="um", tolerance=1e-3,
+             value_unit="kg m-3")
         same("phantom.nc:density", values, np.diag(SPACING * [1, -1, 1] * unit), FIRST * unit, False, tolerance=1e-3)
         refused("phantom.nc:x", 2, 'has no dataset "x" of three axes, FILE:DATASET must name one of: density (11 x 13 x 7)')
         cut("phantom.nc", "cut.nc", 0.7)

@@ -53,7 +53,7 @@ def dicom_series(folder, values, uid="1.2.3.4", steps=STEPS, leave_out=(), **mor
 @case
 def dicom():
     dicom_series("dicom", phantom())
-    same("dicom", phantom(), unit="mm")
+    same("dicom", phantom(), unit="mm", value_unit="HU")
 
 
 @case
@@ -168,7 +168,7 @@ def dicom_multiframe():
     for word in "ImageOrientationPatient", "ImagePositionPatient", "PixelSpacing", "SliceThickness", "RescaleSlope", "RescaleIntercept":
         delattr(d, word)
     d.save_as("multi.dcm", write_like_original=False)
-    same("multi.dcm", values.astype(np.int16) - 1024, unit="mm")
+    same("multi.dcm", values.astype(np.int16) - 1024, unit="mm", value_unit="HU")
     cut("multi.dcm", "cut.dcm", 0.9)
     # the shared groups as bytes of which the file does not say the type, as programs write what they do not know
     implicit = pydicom.Dataset()
@@ -269,10 +269,10 @@ def nrrd():
     with open("detached.nhdr", "w", encoding="ascii") as file:
         file.write("NRRD0005\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 11 13 7\n"
                    f"space directions: {steps}\nspace origin: {origin}\nspace units: \"um\" \"um\" \"um\"\n"
-                   "encoding: raw\nendian: little\ndata file: plain.raw\n")
+                   "sample units: HU\nencoding: raw\nendian: little\ndata file: plain.raw\n")
     for encoding in "raw", "gzip", "ascii":
         subprocess.run(["teem-unu", "save", "-f", "nrrd", "-e", encoding, "-i", "detached.nhdr", "-o", "unu.nrrd"], check=True)
-        same("unu.nrrd", values, unit="um")
+        same("unu.nrrd", values, unit="um", value_unit="HU")
         cut("unu.nrrd", "cut.nrrd")
         refused("cut.nrrd", 4, "cut.nrrd")
 

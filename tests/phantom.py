@@ -90,7 +90,7 @@ def load(path, options=()):
     return samples, steps, np.array(g["origin_mm"]) + steps @ [0.5, 0.5, 0.5], info
 
 
-def same(path, values, steps=STEPS, first=FIRST, ras=True, options=(), unit=None, tolerance=1e-6):
+def same(path, values, steps=STEPS, first=FIRST, ras=True, options=(), unit=None, tolerance=1e-6, value_unit=None):
     """tolerance: mm, of decimals that the format has."""
     got, got_steps, got_first, info = load(path, options)
     expect(got.shape == values.shape, f"size {got.shape[::-1]}, not {values.shape[::-1]}")
@@ -103,6 +103,8 @@ def same(path, values, steps=STEPS, first=FIRST, ras=True, options=(), unit=None
     expect(np.allclose(got_steps, steps, rtol=1e-5, atol=1e-5 * np.abs(steps).max()), f"steps {got_steps}, not {steps}")
     expect(info["world_is_ras"] == ras, f"world_is_ras is {info['world_is_ras']}")
     expect(unit is None or info["unit"] == unit, f"the unit is {info['unit']}, not {unit}")
+    of_values = info["value_unit"]
+    expect(value_unit is None or of_values == value_unit, f"the unit of values is {of_values}, not {value_unit}")
 
 
 def refused(path, code, words, options=()):

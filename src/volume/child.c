@@ -148,6 +148,7 @@ static void take_geometry(const iso_child_header *h, const double mm[3], iso_vol
     header->notes.says_labels = h->is_labels;
     header->notes.scale_slope = h->slope;
     header->notes.scale_intercept = h->intercept;
+    iso_words_copy_line(h->value_unit, header->notes.value_unit, sizeof header->notes.value_unit);
 }
 
 static iso_status start_reader(iso_volume_source *source, const iso_child_program *p, const char *part, iso_error *err)

@@ -19,6 +19,7 @@ void iso_child_end_texts(iso_child_header *h)
         END_TEXT(h->unit[r]);
     for (int c = 0; c < ISO_CHILD_CHANNELS; ++c)
         END_TEXT(h->channel_name[c]);
+    END_TEXT(h->value_unit);
     END_TEXT(h->frame_unit);
     END_TEXT(h->unspaced);
     END_TEXT(h->warning);

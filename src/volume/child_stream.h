@@ -37,6 +37,7 @@ typedef struct iso_child_header {
     double step[3][3];       /* step[a]: from a sample to the next along axis a */
     char unit[3][32];        /* of the world's axes; "" if the file has none, which is mm */
     double slope, intercept; /* physical value = slope * sample + intercept */
+    char value_unit[16];     /* of physical values; "" if the file has none */
     double box[3];           /* the box in index coordinates, if it is smaller than the grid; 0: as the grid */
     bool is_labels;          /* True if the file is a label map by its own words */
     bool is_whole;           /* doubles that are integers of 64 bits in the file */

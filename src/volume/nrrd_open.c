@@ -12,6 +12,7 @@
 #include <teem/nrrd.h>
 #include <unistd.h>
 
+#include "base/control.h"
 #include "volume/nrrd_files.h"
 #include "volume/nrrd_segments.h"
 #include "volume/segments.h"
@@ -211,6 +212,18 @@ static void read_scale(const Nrrd *nrrd, iso_volume_notes *notes)
     }
 }
 
+/* Takes the unit without the quotes that teem writes around it and keeps on reading. */
+static void take_value_unit(const char *said, iso_volume_notes *notes)
+{
+    if (!said)
+        return;
+    const bool is_quoted = said[0] == '"';
+    iso_words_copy_line(said + is_quoted, notes->value_unit, sizeof notes->value_unit);
+    const size_t n = strlen(notes->value_unit);
+    if (is_quoted && n > 0 && notes->value_unit[n - 1] == '"')
+        notes->value_unit[n - 1] = 0;
+}
+
 static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_error *err)
 {
     iso_volume *header = &source->header;
@@ -230,6 +243,7 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
     status = nrrd->spaceDim > 0 ? oriented_geometry(nrrd, &axes, source, err)
                                 : plain_geometry(nrrd, &axes, source, err);
     read_scale(nrrd, &header->notes);
+    take_value_unit(nrrd->sampleUnits, &header->notes);
     json_t *segments = iso_nrrd_segments(nrrd, axes.extra.frame.count > 1);
     header->notes.says_labels = segments != NULL;
     axes.extra.layers = segments;

@@ -20,6 +20,7 @@ typedef struct iso_volume_notes {
     double applied_slope, applied_intercept; /* the scale that samples have been given; slope 0: none */
     char unit[16];                 /* of lengths, as the file or the caller names it; "" if none does: mm */
     double unit_mm;                /* the unit in mm */
+    char value_unit[16];           /* of values with their scale applied, as the file names it: "HU"; "": it does not */
     size_t frame_count, frame;     /* time steps in the file, and the one that was read, from 0; 0: one volume */
     double frame_step;             /* from one to the next; 0: not in the file */
     char frame_unit[16];           /* as the file calls it */

@@ -140,6 +140,7 @@ public:
         check_stored_bytes();
         allow_slab();
         place(*store_, array_, axes_.space, shown_, header);
+        snprintf(header.value_unit, sizeof header.value_unit, "%s", store_->text(array_.name, "units").c_str());
         if (header.frames > 1)
             take_frame_step(*store_, array_, axes_.frame < 0 ? 0 : static_cast<size_t>(axes_.frame), header);
         scales_ = take_scale(*store_, array_, header.size[2], wanted.frame, shown_, header);

@@ -177,6 +177,19 @@ void take_scale(const Sets &sets, const DicomFile &file, DicomFrame &frame)
         fail(ISO_E_FORMAT, file.path + ": its values go through a ModalityLUTSequence, which is not read");
 }
 
+/* Returns the unit of rescaled values. Of CT it is HU unless the file has another one; US is "unspecified". */
+std::string value_unit_of(const Sets &sets)
+{
+    const std::string type = sets.text(value_transformation, Tag(0x0028, 0x1054));
+    const std::string modality = text_in(sets.file, Tag(0x0008, 0x0060));
+    if (!type.empty())
+        return type == "US" ? "" : type;
+    if (modality == "PT")
+        return text_in(sets.file, Tag(0x0054, 0x1001));
+    const bool is_rescaled = !sets.text(value_transformation, Tag(0x0028, 0x1052)).empty();
+    return modality == "CT" && is_rescaled ? "HU" : "";
+}
+
 /* Reads one of the three tables of a palette: LUT data of 16 bits, or two of 8 bits in each word. */
 std::vector<uint16_t> palette_entries(const DataSet &all, uint16_t color, size_t count, unsigned bits,
                                       const std::string &path)
@@ -377,6 +390,8 @@ void take_frames(const DataSet &all, DicomFile &file)
         take_axes(sets, file, frame);
         take_place(sets, frame);
         take_scale(sets, file, frame);
+        if (k == 0)
+            file.value_unit = value_unit_of(sets);
         const Items segment(sets.frame, segment_identification);
         const double number = binary_in<uint16_t>(segment.at(0), Tag(0x0062, 0x000b));
         frame.segment = number >= 1 ? static_cast<unsigned>(number) : 0;

@@ -40,6 +40,7 @@ struct DicomFile {
     Samples samples = Samples::integer;
     unsigned bits_allocated = 0, bits_stored = 0, high_bit = 0;
     bool is_signed = false;
+    std::string value_unit; /* "", or the unit of the rescaled values: HU */
     double padding = 0; /* PixelPaddingValue, as stored; 0: none, or black */
     bool has_direction = false;
     std::vector<DicomFrame> frames;

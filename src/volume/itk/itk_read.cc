@@ -150,6 +150,7 @@ private:
         header.frames = stack.frames;
         header.frame_step = stack.frame_step;
         snprintf(header.frame_unit, sizeof header.frame_unit, "%s", stack.frame_unit.c_str());
+        snprintf(header.value_unit, sizeof header.value_unit, "%s", files_[0].value_unit.c_str());
         for (size_t r = 0; r < 3; ++r) {
             header.first[r] = first[r];
             header.step[0][r] = frame.u[r];
