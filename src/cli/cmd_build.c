@@ -344,7 +344,7 @@ static const iso_option options[] = {
     {"keep-float", 0, "also store the directions as floats", NULL, ISO_IN(build_options, keep_float)},
     {"keep-magnitude", 0, "also store the gradient magnitudes", NULL, ISO_IN(build_options, keep_magnitude)},
     {"memory", 0, "limit of the memory for buffers", "MB", ISO_IN(build_options, memory_mb), .flags = ISO_SHOWN,
-     .least = 1, .most = 1e9},
+     .most = 1e9},
     {"resume", 0, "resume a killed build of the same volume and options", NULL, ISO_IN(build_options, resume)},
     {"save-every", 0, "seconds between saved states for --resume; 0: after each slab", "SECONDS",
      ISO_IN(build_options, save_seconds), .flags = ISO_SHOWN, .most = 1e6},

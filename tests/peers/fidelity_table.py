@@ -46,12 +46,11 @@ def main():
     print("|---" * (len(scenes) + 1) + "|")
     for r in site["renderers"]:
         print(f"| {r['title']} |", " | ".join(cell(of.get((r["renderer"], *s))) for s in scenes), "|")
-    print("\n| renderer | version | verdict | lacks | why |\n|---|---|---|---|---|")
+    print("\n| renderer | verdict | why |\n|---|---|---|")
     for r in site["renderers"]:
         rows = [c for c in cards if c["renderer"] == r["renderer"]]
-        lacks = ", ".join(rows[0]["lacks"] or []) or "–"
         why = reason(rows) or "limits of halved steps"
-        print(f"| {r['title']} | {r['version']} | {r['words']} | {lacks} | {why} |")
+        print(f"| {r['title']} | {r['words']} | {why} |")
 
 
 main()
