@@ -89,8 +89,6 @@ refuse a_scale_for_a_2d_tf 2 "needs a 1D transfer function" "$ISOSHADE" render s
 refuse a_scale_in_bricks 2 "extinction-scale" "$ISOSHADE" render shells.iso --size 48 --scene own.scene.json --extinction-scale --cache-bytes 1e6 -o z.exr -q
 check a_scaled_grid_is_exported "$ISOSHADE" export shells.iso --to vdb --level 1 --scene own.scene.json --adapt --extinction-scale -o scaled.vdb -q
 check a_scene_without_a_scale_for_vdb "$ISOSHADE" export shells.iso --to vdb --level 1 --scene own.scene.json -o z.vdb -q
-expect scale_costs 0 "$LAB" extinction-scale shells.iso --levels 2 --size 32 --runs 1 --json
-holds scales_bring_opacities_nearer "$(json_number out rms_opacity_scaled) < $(json_number out rms_opacity_unscaled)"
 check a_region_of_interest_renders "$ISOSHADE" render shells.iso --level 2 --size 48 --scene "$scene" --adapt --tf-2d gradient --roi 8,8,8,30,30,30 -o roi.exr -q
 refuse roi_without_a_coarse_level 2 'needs a coarser level' "$ISOSHADE" render shells.iso --level 0 --size 48 --scene "$scene" --roi 8,8,8,30,30,30 -o z.exr -q
 refuse roi_of_five_numbers 2 'must be six numbers' "$ISOSHADE" render shells.iso --level 1 --size 48 --scene "$scene" --roi 8,8,8,30,30 -o z.exr -q
@@ -99,7 +97,6 @@ refuse roi_band_without_roi 2 'need --roi' "$ISOSHADE" render shells.iso --level
 refuse roi_for_vdb 2 'cannot be used with --to vdb' "$ISOSHADE" export shells.iso --to vdb --level 1 --roi 8,8,8,30,30,30 -o z.vdb -q
 check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray --level 1 --size 48 --scene "$scene" --adapt --tf-2d deviation --roi 8,8,8,30,30,30 -o pov -q
 [ -s pov/pov_roi_scalar.df3 ] && [ -s pov/pov_second.df3 ] && ok its_files_are_there || not_ok its_files_are_there "$(ls pov)"
-check seams_are_measured bash -c '"$LAB" roi shells.iso --scene "$0" --level 2 -q | grep -q "^blended, TF_k outside"' "$scene"
 refuse unknown_action 2 'must be one of: adapt, bound, convert, names, show, suggest, triangle' "$ISOSHADE" tf blend "$tf" -o x
 refuse adapt_without_output 2 'usage: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso
 # Presets are laid on the values of a stored pyramid, whose samples are read for them; a scene has its own.

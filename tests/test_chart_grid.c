@@ -13,14 +13,17 @@ typedef struct grid {
     size_t count;
 } grid;
 
-static grid make(const iso_chart_words *words, bool is_volume)
+/* with: renderers, or NULL. */
+static grid make(const char *with, bool is_volume)
 {
+    iso_chart_words words = ISO_CHART_DEFAULT_WORDS;
+    words.with = with;
     grid g = {.count = 0};
     OWNED(iso_volume) v = noise(12, 10, 9);
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
     opt.keep_float = is_volume;
-    assert_ok(iso_chart_grid_parse(words, &g.axes, &err));
+    assert_ok(iso_chart_grid_parse(&words, &g.axes, &err));
     assert_ok(iso_pyramid_build(&v, "grid", &opt, &g.pyramid, NULL, &err));
     assert_ok(iso_chart_grid_cases(&g.axes, &g.pyramid, is_volume, 1, &g.cases, &g.count, &err));
     return g;
@@ -49,7 +52,7 @@ static size_t count_out_of_order(const iso_chart_case *cases, size_t count)
 
 TEST(usual_settings_come_first_and_cheap_ones_before_others)
 {
-    grid g = make(&(iso_chart_words){.with = NULL}, true);
+    grid g = make(NULL, true);
     const size_t usual = g.pyramid.level_count * 5; /* the steps that are powers of two and at most 2 */
     for (size_t i = 0; i < g.count; ++i) {
         assert_int_equal(g.cases[i].turn == 0, i < usual);
@@ -71,7 +74,7 @@ static int by_name(const void *a, const void *b)
 
 TEST(every_axis_has_each_of_its_values_and_no_setting_comes_twice)
 {
-    grid g = make(&(iso_chart_words){.with = "gl,reference,povray,cycles"}, true);
+    grid g = make("gl,reference,povray,cycles", true);
     size_t renderers = 0, sources = 0, transfer_functions = 0, filters = 0, estimators = 0, codes = 0, plans = 0,
            preintegrated = 0;
     char(*names)[192] = malloc(g.count * sizeof *names);
@@ -108,7 +111,7 @@ TEST(every_axis_has_each_of_its_values_and_no_setting_comes_twice)
 
 TEST(a_pyramid_on_disk_is_what_it_is)
 {
-    grid g = make(&(iso_chart_words){.with = "gl"}, false);
+    grid g = make("gl", false);
     for (size_t i = 0; i < g.count; ++i) {
         const iso_chart_case *c = &g.cases[i];
         assert_int_equal(c->filter, g.pyramid.options.direction_filter);
@@ -122,7 +125,7 @@ TEST(a_pyramid_on_disk_is_what_it_is)
 
 TEST(other_programs_alone_are_equals)
 {
-    grid g = make(&(iso_chart_words){.with = "povray,cycles"}, true);
+    grid g = make("povray,cycles", true);
     for (size_t i = 0; i < g.count; ++i)
         assert_int_equal(g.cases[i].turn == 0, i < (size_t)2 * g.pyramid.level_count * 5);
     release(&g);

@@ -96,12 +96,14 @@ static grid make(size_t scenes)
 {
     grid g = {.count = 0};
     iso_chart_grid axes;
+    iso_chart_words words = ISO_CHART_DEFAULT_WORDS;
+    words.with = "gl";
     OWNED(iso_pyramid) pyramid = {0};
     OWNED(iso_volume) v = noise(40, 30, 20);
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 3;
     opt.keep_float = true;
-    assert_ok(iso_chart_grid_parse(&(iso_chart_words){.with = "gl"}, &axes, &err));
+    assert_ok(iso_chart_grid_parse(&words, &axes, &err));
     assert_ok(iso_pyramid_build(&v, "grid", &opt, &pyramid, NULL, &err));
     assert_ok(iso_chart_grid_cases(&axes, &pyramid, true, scenes, &g.cases, &g.count, &err));
     return g;
