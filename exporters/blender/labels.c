@@ -165,9 +165,10 @@ static iso_status describe_tables(json_t *about, const iso_blender_levels *level
     if (status == ISO_OK) {
         json_t *tf = iso_blender_describe_tf(by_class, first, count, units), *ramps = json_object_get(tf, "ramps"), *t;
         size_t i;
-        json_array_foreach(json_object_get(tf, "tables"), i, t) if (c->count <= ISO_RAMP_MAX_STOPS)
-            describe_class_ramp(json_array_get(ramps, (size_t)json_integer_value(json_object_get(t, "ramp"))),
-                                &by_class[i].tf, c);
+        json_array_foreach (json_object_get(tf, "tables"), i, t)
+            if (c->count <= ISO_RAMP_MAX_STOPS)
+                describe_class_ramp(json_array_get(ramps, (size_t)json_integer_value(json_object_get(t, "ramp"))),
+                                    &by_class[i].tf, c);
         json_object_set_new(about, "tf", tf);
     }
     for (size_t i = 0; by_class && i < count; ++i)

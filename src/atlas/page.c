@@ -330,8 +330,7 @@ void iso_atlas_page_begin(FILE *html, const json_t *cases)
     fputs(iso_atlas_head, html);
     fputs("<table><thead><tr><th>case</th><th>failure</th><th>corrected</th><th>fallback</th></tr></thead><tbody>\n",
           html);
-    json_array_foreach(cases, i, c)
-    {
+    json_array_foreach (cases, i, c) {
         fprintf(html, "<tr><td><a href=\"#%s\">%s</a></td><td>%.3g</td><td>%.3g</td><td>",
                 json_string_value(json_object_get(c, "id")), json_string_value(json_object_get(c, "title")),
                 json_number_value(json_object_get(c, "failure_value")),

@@ -85,7 +85,9 @@ static void shorten_numbers(char *text)
     char *to = text;
     while (*text) {
         const size_t number = strspn(text, "+-.0123456789eE");
-        const size_t n = *text == '"' ? string_length(text) : isdigit((unsigned char)*text) || *text == '-' ? number : 1;
+        const size_t n = *text == '"'                                    ? string_length(text)
+                         : isdigit((unsigned char)*text) || *text == '-' ? number
+                                                                         : 1;
         memmove(to, text, n);
         const bool is_real = n > 1 && *to != '"' && memchr(to, '.', n);
         text += n;
@@ -253,10 +255,10 @@ void iso_json_check_texts(iso_json_reader *r, const char *key, const json_t *val
     size_t i;
     if (json_is_string(value) && iso_words_has_control(json_string_value(value)))
         fail(r, key, "holds a control character, such as a line feed");
-    json_object_foreach((json_t *)value, inner, item)
+    json_object_foreach ((json_t *)value, inner, item)
         if (r->status == ISO_OK)
             iso_json_check_texts(r, inner, item);
-    json_array_foreach(value, i, item)
+    json_array_foreach (value, i, item)
         if (r->status == ISO_OK)
             iso_json_check_texts(r, key, item);
 }
@@ -267,8 +269,7 @@ void iso_json_only_keys(iso_json_reader *r, const json_t *object, const char *wh
     json_t *value;
     if (r->status != ISO_OK)
         return;
-    json_object_foreach((json_t *)object, key, value)
-    {
+    json_object_foreach ((json_t *)object, key, value) {
         bool known = false;
         for (int i = 0; keys[i] && !known; ++i)
             known = strcmp(keys[i], key) == 0;

@@ -363,8 +363,7 @@ bool iso_key_differs(const iso_key *key, const json_t *stored, char *text, size_
 {
     const char *part;
     json_t *value;
-    json_object_foreach(key->parts, part, value)
-    {
+    json_object_foreach (key->parts, part, value) {
         const json_t *then = json_object_get(stored, part);
         if (json_equal(value, then))
             continue;
@@ -374,8 +373,7 @@ bool iso_key_differs(const iso_key *key, const json_t *stored, char *text, size_
             describe(key, part, text, size);
         return true;
     }
-    json_object_foreach((json_t *)stored, part, value)
-    {
+    json_object_foreach ((json_t *)stored, part, value) {
         if (json_object_get(key->parts, part))
             continue;
         describe(key, part, text, size);

@@ -13,8 +13,7 @@ static json_t *sentence_of(const json_t *answer)
 {
     size_t i, met = 0, judged = 0, missing = 0;
     const json_t *row;
-    json_array_foreach(json_object_get(answer, "headlines"), i, row)
-    {
+    json_array_foreach (json_object_get(answer, "headlines"), i, row) {
         const json_t *verdict = json_object_get(row, "met");
         met += json_is_true(verdict);
         judged += json_is_boolean(verdict);

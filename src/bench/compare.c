@@ -104,7 +104,9 @@ static bool has_value(const json_t *row)
 {
     size_t i;
     const json_t *value, *values = json_object_get(row, "values");
-    json_array_foreach(values, i, value) if (!json_is_number(value)) return false;
+    json_array_foreach (values, i, value)
+        if (!json_is_number(value))
+            return false;
     return json_array_size(values) > 0;
 }
 
@@ -143,8 +145,7 @@ static const json_t *find_row(const json_t *root, const char *name)
 {
     size_t i;
     const json_t *row;
-    json_array_foreach(json_object_get(root, "headlines"), i, row)
-    {
+    json_array_foreach (json_object_get(root, "headlines"), i, row) {
         const char *its = json_string_value(json_object_get(row, "name"));
         if (its && strcmp(its, name) == 0)
             return row;
@@ -229,8 +230,7 @@ static iso_status compare_answers(const iso_cli *cli, const json_t *a, const jso
     json_t *rows = json_array();
     if (!cli->json)
         print_head(&are);
-    json_array_foreach(json_object_get(a, "headlines"), i, row)
-    {
+    json_array_foreach (json_object_get(a, "headlines"), i, row) {
         const char *name = json_string_value(json_object_get(row, "name"));
         if (!name)
             continue;

@@ -13,7 +13,7 @@ static void print_site(const json_t *site, const char *output)
     json_t *one;
     size_t i;
     printf("%s\n", iso_row_text(site, "sentence"));
-    json_array_foreach(json_object_get(site, "renderers"), i, one)
+    json_array_foreach (json_object_get(site, "renderers"), i, one)
         printf("%-16s %s/%s\n", iso_row_text(one, "renderer"), output, iso_row_text(one, "badge"));
     printf("site: %s/index.html\n", output);
 }

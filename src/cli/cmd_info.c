@@ -279,8 +279,7 @@ static void print_made_for(const iso_pyramid *p)
     const char *scene = json_string_value(json_object_get(p->made_for, "scene"));
     size_t i;
     printf("  made for   %s:", scene ? scene : "a scene without a name");
-    json_array_foreach(levels, i, level)
-    {
+    json_array_foreach (levels, i, level) {
         const char *scalar = json_string_value(json_object_get(level, "scalar"));
         printf("%s level %d %s", i > 0 ? "," : "", (int)json_integer_value(json_object_get(level, "level")),
                scalar ? scalar : "?");

@@ -275,7 +275,7 @@ static iso_status report(const sheet *s, iso_error *err)
         return status;
     for (i = 0; i < s->pictures.count; ++i)
         printf("%2zu  %s\n", i + 1, s->pictures.panels[i].command);
-    json_array_foreach(s->left_out, i, left_out)
+    json_array_foreach (s->left_out, i, left_out)
         printf("left out: %s: %s\n", json_string_value(json_object_get(left_out, "tf")),
                json_string_value(json_object_get(left_out, "why")));
     printf("%s: %zu picture%s; without --size and --level a command makes a larger and finer one\n", a->output,

@@ -115,7 +115,8 @@ static void report_work(iso_report *r)
 {
     json_t *work = iso_work_to_json(), *value;
     const char *key;
-    json_object_foreach(work, key, value) iso_report_put(r, "work", key, json_incref(value));
+    json_object_foreach (work, key, value)
+        iso_report_put(r, "work", key, json_incref(value));
     json_decref(work);
 }
 

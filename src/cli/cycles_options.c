@@ -25,8 +25,7 @@ void iso_cli_print_versions(const json_t *report)
 {
     size_t i;
     json_t *row;
-    json_array_foreach(json_object_get(report, "agreement"), i, row)
-    {
+    json_array_foreach (json_object_get(report, "agreement"), i, row) {
         const json_t *found = json_object_get(row, "statistics");
         long long column = 0, line = 0;
         if (iso_row_identify(row).comparison != ISO_COMPARISON_VERSIONS || !found)

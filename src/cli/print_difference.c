@@ -29,21 +29,18 @@ void iso_print_difference(const json_t *d)
 {
     size_t i, j;
     json_t *one, *what;
-    json_array_foreach(json_object_get(d, "facts"), i, one)
+    json_array_foreach (json_object_get(d, "facts"), i, one)
         print_values(iso_row_text(one, "fact"), json_object_get(one, "a"), json_object_get(one, "b"));
-    json_array_foreach(json_object_get(d, "rows"), i, one)
-    {
+    json_array_foreach (json_object_get(d, "rows"), i, one) {
         printf("%s: %s\n", iso_row_text(one, "change"), iso_row_text(one, "name"));
-        json_array_foreach(json_object_get(one, "what"), j, what)
-        {
+        json_array_foreach (json_object_get(one, "what"), j, what) {
             char line[160];
             snprintf(line, sizeof line, "    %s%.130s", json_is_true(json_object_get(what, "worse")) ? "worse: " : "",
                      iso_row_text(what, "what"));
             print_values(line, json_object_get(what, "a"), json_object_get(what, "b"));
         }
     }
-    json_array_foreach(json_object_get(d, "pictures"), i, one)
-    {
+    json_array_foreach (json_object_get(d, "pictures"), i, one) {
         if (json_is_true(json_object_get(one, "counts")) && json_object_get(one, "problem"))
             printf("picture: %s: %s\n", iso_row_text(one, "name"), iso_row_text(one, "problem"));
         else if (json_is_true(json_object_get(one, "counts")))

@@ -211,8 +211,9 @@ static iso_status print_summary(const writing *w, iso_error *err)
     const iso_cli *cli = w->asked->cli;
     size_t i, k, count = 0;
     json_t *one, *file;
-    json_array_foreach(w->elsewhere.pictures, i, one)
-        json_array_foreach(json_object_get(one, "files"), k, file)++ count;
+    json_array_foreach (w->elsewhere.pictures, i, one)
+        json_array_foreach (json_object_get(one, "files"), k, file)
+            ++count;
     if (cli->json) {
         json_t *root = iso_cli_json(cli);
         if (!root)
@@ -223,7 +224,7 @@ static iso_status print_summary(const writing *w, iso_error *err)
         iso_cli_print_json(root);
         return ISO_OK;
     }
-    json_array_foreach(w->elsewhere.left_out, i, one)
+    json_array_foreach (w->elsewhere.left_out, i, one)
         printf("left out: %s: %s\n", json_string_value(json_object_get(one, "scene")),
                json_string_value(json_object_get(one, "why")));
     const size_t requests = json_array_size(w->elsewhere.pictures);

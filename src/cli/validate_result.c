@@ -45,7 +45,7 @@ static void print_not_compared(const iso_report *r)
     size_t i, count = 0;
     json_t *row;
     for (int stages = 1; stages >= 0; --stages)
-        json_array_foreach(json_object_get(iso_report_json(r), "agreement"), i, row)
+        json_array_foreach (json_object_get(iso_report_json(r), "agreement"), i, row)
             if (is_stage(row) == stages && iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED && ++count <= most)
                 print_uncompared(row);
     if (count > most)
@@ -57,10 +57,10 @@ static void print_not_calibrated(const iso_report *r)
 {
     size_t i;
     json_t *row;
-    json_array_foreach(json_object_get(iso_report_json(r), "calibration"), i,
-                       row) if (iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED)
-        printf("not calibrated: %s: %s: %s\n", iso_row_text(row, "renderer"), iso_row_text(row, "check"),
-               iso_row_text(row, "detail"));
+    json_array_foreach (json_object_get(iso_report_json(r), "calibration"), i, row)
+        if (iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED)
+            printf("not calibrated: %s: %s: %s\n", iso_row_text(row, "renderer"), iso_row_text(row, "check"),
+                   iso_row_text(row, "detail"));
 }
 
 /* Prints the assumed limits of scenes that set none. */
@@ -68,9 +68,9 @@ static void print_assumed(const iso_report *r)
 {
     const char *scene;
     json_t *asked;
-    json_object_foreach(json_object_get(iso_report_json(r), "asked"), scene,
-                        asked) if (json_is_true(json_object_get(asked, "assumed")))
-        printf("assumed: %s: %s\n", scene, iso_row_text(asked, "why"));
+    json_object_foreach (json_object_get(iso_report_json(r), "asked"), scene, asked)
+        if (json_is_true(json_object_get(asked, "assumed")))
+            printf("assumed: %s: %s\n", scene, iso_row_text(asked, "why"));
 }
 
 void iso_cli_validate_print(const char *output, const iso_cli *cli, const iso_validation *v,

@@ -53,8 +53,7 @@ static void find_series(charted *c)
 {
     json_t *one;
     size_t i;
-    json_array_foreach(c->cases, i, one)
-    {
+    json_array_foreach (c->cases, i, one) {
         const size_t at = series_of(c, one);
         if (at == c->series && c->series < MOST_SERIES)
             snprintf(c->names[c->series++], sizeof *c->names, "%s", string_of(one, "renderer"));
@@ -79,9 +78,9 @@ static void put_front(FILE *gp, const charted *c, bool of_time)
     size_t i, count = 0;
     if (!corners)
         return;
-    json_array_foreach(c->cases, i,
-                       one) if (json_is_true(json_object_get(one, of_time ? "on_time_front" : "on_bytes_front")))
-        corners[count++] = (corner){number_of(one, of_time ? "milliseconds" : c->bytes_key), error_of(c, one)};
+    json_array_foreach (c->cases, i, one)
+        if (json_is_true(json_object_get(one, of_time ? "on_time_front" : "on_bytes_front")))
+            corners[count++] = (corner){number_of(one, of_time ? "milliseconds" : c->bytes_key), error_of(c, one)};
     qsort(corners, count, sizeof *corners, by_cost);
     fprintf(gp, "$front%d << EOD\n", of_time);
     for (i = 0; i < count; ++i) {
@@ -115,8 +114,7 @@ static void find_ranges(const charted *c, axes *a)
     double least[2] = {INFINITY, INFINITY}, most[2] = {0, 0};
     json_t *one;
     size_t i;
-    json_array_foreach(c->cases, i, one)
-    {
+    json_array_foreach (c->cases, i, one) {
         double at[2];
         for (int k = 0; k < 2 && place_of(c, a, one, at); ++k)
             least[k] = fmin(least[k], at[k]), most[k] = fmax(most[k], at[k]);
@@ -146,8 +144,7 @@ static void put_data(FILE *gp, const charted *c, const axes *a)
     json_t *one;
     size_t i, count = 0;
     fprintf(gp, "$rows%d << EOD\n", a->of_time);
-    json_array_foreach(c->cases, i, one)
-    {
+    json_array_foreach (c->cases, i, one) {
         double at[2];
         if (!place_of(c, a, one, at))
             continue;
@@ -249,7 +246,9 @@ static void write_caption(const charted *c, FILE *f)
     size_t i, count = 0;
     fprintf(f, "Error against cost of %zu settings for %s (%s): stairs join the front.", json_array_size(c->cases),
             string_of(c->options, "volume"), string_of(c->options, "scene"));
-    json_array_foreach(c->cases, i, one) if (numbered && number_of(one, "number") > 0) numbered[count++] = one;
+    json_array_foreach (c->cases, i, one)
+        if (numbered && number_of(one, "number") > 0)
+            numbered[count++] = one;
     if (numbered)
         qsort(numbered, count, sizeof *numbered, by_number);
     for (i = 0; i < count && i < MOST_LISTED; ++i)

@@ -114,8 +114,7 @@ static json_t *pictured_methods(const json_t *rows)
 {
     json_t *methods = json_object(), *row;
     size_t i;
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         char name[ISO_CONSISTENCY_NAME_BYTES];
         iso_report_consistency_name(row, name);
         if (string_of(row, "image")[0] && string_of(row, "reference_image")[0])
@@ -133,7 +132,7 @@ static iso_status check_methods(json_t *methods, const char *list, iso_error *er
         snprintf(word, sizeof word, "%.*s", (int)strcspn(at, ","), at);
         if (json_object_get(methods, word))
             continue;
-        json_object_foreach(methods, method, adapted)
+        json_object_foreach (methods, method, adapted)
             snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", known[0] ? ", " : "", method);
         return iso_fail(err, ISO_E_RANGE, "--methods: the report has no pictures of \"%s\", but of %s", word, known);
     }
@@ -145,8 +144,7 @@ static json_t *chosen_methods(json_t *methods, const char *list)
 {
     json_t *chosen = json_object(), *adapted;
     const char *method, *first = NULL, *last = NULL;
-    json_object_foreach(methods, method, adapted)
-    {
+    json_object_foreach (methods, method, adapted) {
         if (list && is_in_list(list, method))
             json_object_set(chosen, method, adapted);
         if (!json_is_true(adapted))
@@ -191,8 +189,7 @@ static iso_status add_levels(figure *f, const json_t *rows, const char *method, 
     bool first = true;
     json_t *row;
     size_t i;
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         char name[ISO_CONSISTENCY_NAME_BYTES];
         iso_report_consistency_name(row, name);
         if (strcmp(name, method) != 0 || status != ISO_OK || !string_of(row, "image")[0])
@@ -225,8 +222,9 @@ static iso_status plan_levels(figure *f, iso_error *err)
             "Levels of %s (%s), one view: pictures, and below them their largest difference from level 0 over the "
             "channels, on a linear scale. Figures below a map are of this view; means over all views:",
             file_name_of(f->report, "volume"), file_name_of(f->report, "scene"));
-    json_object_foreach(chosen, method, adapted) if (status == ISO_OK)
-        status = add_levels(f, rows, method, shown++, err);
+    json_object_foreach (chosen, method, adapted)
+        if (status == ISO_OK)
+            status = add_levels(f, rows, method, shown++, err);
     json_decref(chosen);
     json_decref(methods);
     return status;
@@ -310,7 +308,7 @@ static iso_status check_one_scene(json_t *const *shown, size_t count, iso_error 
     char names[400] = "";
     for (size_t i = 0; i < count; ++i)
         json_object_set_new(scenes, string_of(shown[i], "scene"), json_true());
-    json_object_foreach(scenes, name, value)
+    json_object_foreach (scenes, name, value)
         snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", names[0] ? ", " : "", name);
     size_t scene_count = json_object_size(scenes);
     json_decref(scenes);
@@ -326,7 +324,9 @@ static iso_status plan_renderers(figure *f, iso_error *err)
     size_t i, count = 0;
     if (!shown)
         return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    json_array_foreach(rows, i, row) if (is_shown(row, f->job)) shown[count++] = row;
+    json_array_foreach (rows, i, row)
+        if (is_shown(row, f->job))
+            shown[count++] = row;
     qsort(shown, count, sizeof *shown, by_renderer);
     const char *volume = file_name_of(f->report, "volume"); /* in the report of a suite, one per scene */
     fprintf(f->caption,

@@ -60,8 +60,7 @@ static summary summarize(const block *b, const char *method, json_int_t level)
     summary s = {0};
     for (int k = 0; k < METRICS; ++k)
         ratios[k] = calloc(most + 1, sizeof **ratios);
-    json_array_foreach(b->cases, i, c)
-    {
+    json_array_foreach (b->cases, i, c) {
         original = is_original(c) ? c : original;
         if (!is_in(b, c) || strcmp(text_of(c, "method"), method) != 0 || text_of(c, "left_out")[0] ||
             (level > 0 && json_integer_value(json_object_get(c, "level")) != level))
@@ -117,7 +116,9 @@ static json_t *methods_of(const block *b)
 {
     json_t *names = json_object(), *c;
     size_t i;
-    json_array_foreach(b->cases, i, c) if (is_in(b, c)) json_object_set_new(names, text_of(c, "method"), json_true());
+    json_array_foreach (b->cases, i, c)
+        if (is_in(b, c))
+            json_object_set_new(names, text_of(c, "method"), json_true());
     return names;
 }
 
@@ -127,8 +128,7 @@ static json_t *left_out_of(const block *b, size_t *count)
     json_t *reasons = json_object(), *c;
     size_t i;
     *count = 0;
-    json_array_foreach(b->cases, i, c)
-    {
+    json_array_foreach (b->cases, i, c) {
         const char *why = text_of(c, "left_out");
         if (!is_in(b, c) || !is_original(c) || !why[0])
             continue;
@@ -150,14 +150,13 @@ static json_t *report_block(const block *b, bool print)
         printf("\n%s, %s: %zu cases; error / error of the original TF: geometric means, medians (quartiles)\n"
                "%-26s %8s %8s %8s   %-20s %-20s %-20s worse by .005, worst\n",
                b->renderer, name, counted, "method", "SSIM", "FLIP", "RMSE", "SSIM", "FLIP", "RMSE");
-        json_object_foreach(reasons, why, times)
+        json_object_foreach (reasons, why, times)
             printf("left out: %lld cases, %s\n", (long long)json_integer_value(times), why);
     }
     for (json_int_t level = 0; level < 16; ++level) {
         if (level > 0 && summarize(b, "original", level).case_count == 0)
             continue;
-        json_object_foreach(methods, method, unused)
-        {
+        json_object_foreach (methods, method, unused) {
             const summary s = summarize(b, method, level);
             json_array_append_new(means, summary_to_json(&s, method, level));
             if (level == 0)
@@ -177,8 +176,7 @@ json_t *iso_consistency_report(const json_t *cases, bool print)
 {
     json_t *blocks = json_array(), *seen = json_object(), *c;
     size_t i;
-    json_array_foreach(cases, i, c)
-    {
+    json_array_foreach (cases, i, c) {
         const block b = {cases, text_of(c, "renderer"), json_is_true(json_object_get(c, "held"))};
         char key[64];
         snprintf(key, sizeof key, "%.40s %d", b.renderer, b.held);

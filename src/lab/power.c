@@ -334,7 +334,7 @@ static void print_scenes(const power_options *o, const power_result *r)
     print_noise(r);
     size_t i;
     json_t *wrong;
-    json_array_foreach(r->wrong, i, wrong)
+    json_array_foreach (r->wrong, i, wrong)
         printf("WRONG: %s, %s of %s, scene %lld (%s)\n", json_string_value(json_object_get(wrong, "fault")),
                json_string_value(json_object_get(wrong, "gate")), json_string_value(json_object_get(wrong, "renderer")),
                (long long)json_integer_value(json_object_get(wrong, "seed")),

@@ -192,15 +192,15 @@ bool iso_power_is_alarm(const json_t *report, char *text, size_t size)
     const char *section;
     json_t *rows, *row;
     size_t i;
-    json_object_foreach((json_t *)report, section, rows) json_array_foreach(rows, i, row)
-    {
-        if (!is_flagged(row))
-            continue;
-        const char *name = iso_row_text(row, "b")[0] ? iso_row_text(row, "b") : iso_row_text(row, "check");
-        snprintf(text, size, "%s %s, level %lld", section, name,
-                 (long long)json_integer_value(json_object_get(row, "level")));
-        return true;
-    }
+    json_object_foreach ((json_t *)report, section, rows)
+        json_array_foreach (rows, i, row) {
+            if (!is_flagged(row))
+                continue;
+            const char *name = iso_row_text(row, "b")[0] ? iso_row_text(row, "b") : iso_row_text(row, "check");
+            snprintf(text, size, "%s %s, level %lld", section, name,
+                     (long long)json_integer_value(json_object_get(row, "level")));
+            return true;
+        }
     return false;
 }
 
@@ -215,17 +215,18 @@ bool iso_power_is_finding(const json_t *report)
     const char *section;
     json_t *rows, *row, *figure;
     size_t i, k, found = 0;
-    json_object_foreach((json_t *)report, section, rows) json_array_foreach(rows, i, row)
-    {
-        if (!is_flagged(row))
-            continue;
-        if (strcmp(section, "levels") != 0 || !json_is_false(json_object_get(row, "simple_held")) ||
-            is_unheld(row, "stored") || is_unheld(row, "bound") || is_unheld(row, "extinction_scale"))
-            return false;
-        json_array_foreach(json_object_get(row, "figures"), k,
-                           figure) if (json_is_false(json_object_get(figure, "held"))) return false;
-        ++found;
-    }
+    json_object_foreach ((json_t *)report, section, rows)
+        json_array_foreach (rows, i, row) {
+            if (!is_flagged(row))
+                continue;
+            if (strcmp(section, "levels") != 0 || !json_is_false(json_object_get(row, "simple_held")) ||
+                is_unheld(row, "stored") || is_unheld(row, "bound") || is_unheld(row, "extinction_scale"))
+                return false;
+            json_array_foreach (json_object_get(row, "figures"), k, figure)
+                if (json_is_false(json_object_get(figure, "held")))
+                    return false;
+            ++found;
+        }
     return found > 0;
 }
 
@@ -404,8 +405,7 @@ static void print_sums(const iso_power_random_options *o, const sums *s)
 {
     size_t i;
     json_t *alarm;
-    json_array_foreach(s->list, i, alarm)
-    {
+    json_array_foreach (s->list, i, alarm) {
         char *scene = iso_json_text(json_object_get(alarm, "scene"), JSON_COMPACT);
         printf("scene %lld: %s\n    %s\n    %s\n    %s\n    %s\n    s.scene.json: %s\n",
                (long long)json_integer_value(json_object_get(alarm, "number")), iso_row_text(alarm, "row"),

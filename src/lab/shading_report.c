@@ -157,8 +157,7 @@ static void report_left_out(const iso_shading_run *run, json_t *rows)
     printf("\nleft out of means and medians: %zu\n", json_array_size(rows));
     size_t i;
     json_t *row;
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         const json_t *level = json_object_get(row, "level");
         printf("%s, %s", json_string_value(json_object_get(row, "volume")), json_is_integer(level) ? "level " : "");
         if (json_is_integer(level))

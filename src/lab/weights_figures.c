@@ -36,12 +36,12 @@ static double mean_of(const json_t *cases, const char *volume, const char *metho
     double sum = 0, n = 0;
     size_t i;
     json_t *c;
-    json_array_foreach(cases, i, c) if (is_like(c, "renderer", renderer) && is_like(c, "volume", volume) &&
-                                        is_like(c, "method", method) && (level == 0 || level_of(c) == level))
-    {
-        sum += json_number_value(json_object_get(c, "ssim_dissimilarity"));
-        ++n;
-    }
+    json_array_foreach (cases, i, c)
+        if (is_like(c, "renderer", renderer) && is_like(c, "volume", volume) && is_like(c, "method", method) &&
+            (level == 0 || level_of(c) == level)) {
+            sum += json_number_value(json_object_get(c, "ssim_dissimilarity"));
+            ++n;
+        }
     return n > 0 ? sum / n : 0;
 }
 
@@ -50,8 +50,7 @@ static size_t list_values(const json_t *cases, const char *key, const char *valu
 {
     size_t count = 0, i, k;
     json_t *c;
-    json_array_foreach(cases, i, c)
-    {
+    json_array_foreach (cases, i, c) {
         const char *value = text_of(c, key);
         for (k = 0; k < count && strcmp(values[k], value) != 0;)
             ++k;
@@ -70,8 +69,7 @@ static void write_rows(const json_t *cases, bool by_level, FILE *csv)
            method_count = list_values(cases, "method", methods, MOST), i;
     int first = 64, last = 0;
     json_t *c;
-    json_array_foreach(cases, i, c)
-    {
+    json_array_foreach (cases, i, c) {
         first = level_of(c) < first ? level_of(c) : first;
         last = level_of(c) > last ? level_of(c) : last;
     }

@@ -358,8 +358,7 @@ iso_key *iso_cli_key(const iso_cli *cli, const char *const *without)
     if (!key)
         return NULL;
     iso_key_add_text(key, "the command", cli->command->name);
-    json_object_foreach(cli->given, name, value)
-    {
+    json_object_foreach (cli->given, name, value) {
         char part[80];
         if (json_is_null(value) || is_among(name, never) || is_among(name, without))
             continue;

@@ -274,8 +274,7 @@ static void mark_levels(iso_pyramid *p)
 {
     const json_t *levels = json_object_get(p->made_for, "levels"), *entry;
     size_t i;
-    json_array_foreach(levels, i, entry)
-    {
+    json_array_foreach (levels, i, entry) {
         const json_int_t level = json_integer_value(json_object_get(entry, "level"));
         const char *scalar = json_string_value(json_object_get(entry, "scalar"));
         if (level > 0 && (size_t)level < p->level_count && scalar && strcmp(scalar, "as-built") != 0)

@@ -57,7 +57,9 @@ static const char *differing_key(const json_t *asked, const json_t *there)
 {
     const char *key;
     json_t *value;
-    json_object_foreach((json_t *)asked, key, value) if (!json_equal(value, json_object_get(there, key))) return key;
+    json_object_foreach ((json_t *)asked, key, value)
+        if (!json_equal(value, json_object_get(there, key)))
+            return key;
     return NULL;
 }
 

@@ -54,8 +54,10 @@ static void add_sorted(json_t *to, const json_t *names)
     for (const char *last = "", *next, *name; last; last = next) {
         json_t *used;
         next = NULL;
-        json_object_foreach((json_t *)names, name,
-                            used) if (strcmp(name, last) > 0 && (!next || strcmp(name, next) < 0)) next = name;
+        json_object_foreach ((json_t *)names, name, used) {
+            if (strcmp(name, last) > 0 && (!next || strcmp(name, next) < 0))
+                next = name;
+        }
         if (next)
             json_object_set_new(to, next, json_true());
     }
@@ -69,10 +71,9 @@ static iso_status group_report(const grouping *g, size_t number, json_t *own, is
     const char *name;
     size_t i;
     iso_status status = ISO_OK;
-    json_object_foreach(json_object_get(of->root, "renderers"), name, row)
+    json_object_foreach (json_object_get(of->root, "renderers"), name, row)
         json_object_set_new(g->renderers, name, json_true());
-    json_array_foreach(json_object_get(of->root, "agreement"), i, row)
-    {
+    json_array_foreach (json_object_get(of->root, "agreement"), i, row) {
         const char *renderer = iso_row_text(row, "renderer");
         status = check_row(of->path, i, row, err);
         if (status != ISO_OK)
@@ -129,7 +130,8 @@ static size_t count_rows(const json_t *rows, iso_verdict verdict)
 {
     size_t i, count = 0;
     json_t *row;
-    json_array_foreach(rows, i, row) count += iso_row_verdict(row) == verdict;
+    json_array_foreach (rows, i, row)
+        count += iso_row_verdict(row) == verdict;
     return count;
 }
 
@@ -146,8 +148,9 @@ static json_t *rows_of_level(const json_t *rows, json_int_t level)
 {
     json_t *list = json_array(), *row;
     size_t i;
-    json_array_foreach(rows, i, row) if (json_integer_value(json_object_get(row, "level")) == level)
-        json_array_append(list, row);
+    json_array_foreach (rows, i, row)
+        if (json_integer_value(json_object_get(row, "level")) == level)
+            json_array_append(list, row);
     return list;
 }
 
@@ -159,8 +162,7 @@ static json_t *levels_of(const json_t *rows)
     for (;; last = next) {
         size_t i;
         next = -1;
-        json_array_foreach(rows, i, row)
-        {
+        json_array_foreach (rows, i, row) {
             const json_int_t level = json_integer_value(json_object_get(row, "level"));
             if (level > last && (next < 0 || level < next))
                 next = level;
@@ -213,8 +215,7 @@ static json_t *row_to_show(const json_t *report, const json_t *rows, iso_verdict
     json_t *best = NULL, *row;
     double most = -1;
     size_t i;
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         if (iso_row_verdict(row) != verdict)
             continue;
         double weight = pixels_of(report, row);
@@ -238,8 +239,7 @@ static json_t *comparisons_of(const json_t *rows)
     json_t *kinds = json_object(), *list = json_array(), *row, *kind;
     const char *name;
     size_t i, k;
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         const char *key = iso_row_text(row, "comparison");
         kind = json_object_get(kinds, key);
         if (kind) {
@@ -252,7 +252,8 @@ static json_t *comparisons_of(const json_t *rows)
                 json_object_set(kind, kept[k], json_object_get(row, kept[k]));
         json_object_set_new(kinds, key, kind);
     }
-    json_object_foreach(kinds, name, kind) json_array_append(list, kind);
+    json_object_foreach (kinds, name, kind)
+        json_array_append(list, kind);
     json_decref(kinds);
     return list;
 }
@@ -262,9 +263,9 @@ static json_t *failed_checks(const json_t *report, const char *renderer)
 {
     json_t *list = json_array(), *row;
     size_t i;
-    json_array_foreach(json_object_get(report, "calibration"), i,
-                       row) if (strcmp(iso_row_text(row, "renderer"), renderer) == 0 &&
-                                iso_row_verdict(row) == ISO_VERDICT_FAIL) json_array_append(list, row);
+    json_array_foreach (json_object_get(report, "calibration"), i, row)
+        if (strcmp(iso_row_text(row, "renderer"), renderer) == 0 && iso_row_verdict(row) == ISO_VERDICT_FAIL)
+            json_array_append(list, row);
     return list;
 }
 
@@ -340,8 +341,7 @@ static void add_levels(json_t *levels, const json_t *more)
 {
     json_t *one, *other;
     size_t i, k;
-    json_array_foreach(more, i, one)
-    {
+    json_array_foreach (more, i, one) {
         if (iso_row_verdict(one) == ISO_VERDICT_NOT_COMPARED)
             continue;
         const json_int_t level = json_integer_value(json_object_get(one, "level"));
@@ -380,8 +380,7 @@ static json_t *sum_up_renderer(const char *renderer, json_t *certificates)
     const json_t *newest = NULL;
     const iso_verdict verdict = verdict_of(certificates);
     size_t i;
-    json_array_foreach(certificates, i, one)
-    {
+    json_array_foreach (certificates, i, one) {
         add_levels(levels, json_object_get(one, "levels"));
         if (!newest || strcmp(iso_row_text(newest, "made"), iso_row_text(one, "made")) <= 0)
             newest = one;
@@ -402,8 +401,9 @@ static json_t *site_sentence(const json_t *renderers)
     size_t i;
     iso_words_append(text, sizeof text, "%zu of %zu renderer%s agree%s with the reference in all scenes.", agree, count,
                      iso_words_plural(count), agree == 1 ? "s" : "");
-    json_array_foreach(renderers, i, one) if (iso_row_verdict(one) != ISO_VERDICT_AGREE)
-        iso_words_append(text, sizeof text, " %s: %s.", iso_row_text(one, "renderer"), iso_row_text(one, "words"));
+    json_array_foreach (renderers, i, one)
+        if (iso_row_verdict(one) != ISO_VERDICT_AGREE)
+            iso_words_append(text, sizeof text, " %s: %s.", iso_row_text(one, "renderer"), iso_row_text(one, "words"));
     return json_string(text);
 }
 
@@ -412,20 +412,22 @@ static json_t *make_site(const grouping *g)
 {
     json_t *certificates = json_array(), *renderers = json_array(), *by_renderer = json_object(), *used, *list;
     const char *scene, *renderer;
-    json_object_foreach(g->renderers, renderer, used) json_object_set_new(by_renderer, renderer, json_array());
-    json_object_foreach(g->scenes, scene, used) json_object_foreach(by_renderer, renderer, list)
-    {
-        char *key = key_of(renderer, scene);
-        const json_t *group = key ? json_object_get(g->groups, key) : NULL;
-        if (group) {
-            json_t *c = make_certificate(source_of(g->reports, group), group, json_array_size(certificates));
-            json_array_append(list, c);
-            json_array_append_new(certificates, c);
+    json_object_foreach (g->renderers, renderer, used)
+        json_object_set_new(by_renderer, renderer, json_array());
+    json_object_foreach (g->scenes, scene, used)
+        json_object_foreach (by_renderer, renderer, list) {
+            char *key = key_of(renderer, scene);
+            const json_t *group = key ? json_object_get(g->groups, key) : NULL;
+            if (group) {
+                json_t *c = make_certificate(source_of(g->reports, group), group, json_array_size(certificates));
+                json_array_append(list, c);
+                json_array_append_new(certificates, c);
+            }
+            free(key);
         }
-        free(key);
-    }
-    json_object_foreach(by_renderer, renderer, list) if (json_array_size(list) > 0)
-        json_array_append_new(renderers, sum_up_renderer(renderer, list));
+    json_object_foreach (by_renderer, renderer, list)
+        if (json_array_size(list) > 0)
+            json_array_append_new(renderers, sum_up_renderer(renderer, list));
     json_decref(by_renderer);
     const bool bad = count_rows(renderers, ISO_VERDICT_DIFFER) + count_rows(renderers, ISO_VERDICT_REFUSED) > 0;
     return json_pack("{s:s, s:s, s:o, s:o, s:o}", "schema", "isoshade.certificates/1", "verdict",
@@ -445,7 +447,9 @@ iso_status iso_certificates_of(const iso_report_source *reports, size_t count, j
         if (status == ISO_OK && json_object_size(own) == 0)
             status = iso_fail(err, ISO_E_FORMAT, "%s: has no comparison of a renderer, so nothing can be certified",
                               reports[i].path);
-        json_object_foreach(own, key, group) if (status == ISO_OK) merge_group(&g, key, group);
+        json_object_foreach (own, key, group)
+            if (status == ISO_OK)
+                merge_group(&g, key, group);
         json_decref(own);
     }
     if (status == ISO_OK && !(*site = make_site(&g)))

@@ -141,7 +141,8 @@ static iso_status write_badges(const char *dir, const json_t *renderers, json_t 
     size_t i;
     if (status == ISO_OK && mkdir(folder, 0777) != 0)
         status = iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", folder, strerror(errno));
-    json_array_foreach(renderers, i, one) TRY(status, write_badge(dir, one, inlined, err));
+    json_array_foreach (renderers, i, one)
+        TRY(status, write_badge(dir, one, inlined, err));
     free(folder);
     return status;
 }
@@ -166,7 +167,7 @@ iso_status iso_certificates_write(const char *dir, const json_t *site, const iso
     json_t *inlined = json_pack("{s:{}, s:{}}", "images", "differences"), *one;
     size_t i;
     iso_status status = iso_output_begin_dir(&out, dir, "certificates.json", err);
-    json_array_foreach(json_object_get(site, "certificates"), i, one)
+    json_array_foreach (json_object_get(site, "certificates"), i, one)
         TRY(status, inline_certificate(reports, one, inlined, err));
     TRY(status, write_site(out.temp_path, site, inlined, err));
     TRY(status, iso_output_commit(&out, err));

@@ -144,8 +144,9 @@ static const json_t *gate_of(const json_t *row, const char *key)
 {
     size_t i;
     json_t *gate;
-    json_array_foreach(json_object_get(row, "gates"), i,
-                       gate) if (strcmp(iso_row_text(gate, "gate"), key) == 0) return gate;
+    json_array_foreach (json_object_get(row, "gates"), i, gate)
+        if (strcmp(iso_row_text(gate, "gate"), key) == 0)
+            return gate;
     return NULL;
 }
 
@@ -165,9 +166,11 @@ static void compare_gates(const pair *p)
 {
     size_t i;
     json_t *gate;
-    json_array_foreach(json_object_get(p->a, "gates"), i, gate) compare_gate(p, iso_row_text(gate, "gate"));
-    json_array_foreach(json_object_get(p->b, "gates"), i, gate) if (!gate_of(p->a, iso_row_text(gate, "gate")))
+    json_array_foreach (json_object_get(p->a, "gates"), i, gate)
         compare_gate(p, iso_row_text(gate, "gate"));
+    json_array_foreach (json_object_get(p->b, "gates"), i, gate)
+        if (!gate_of(p->a, iso_row_text(gate, "gate")))
+            compare_gate(p, iso_row_text(gate, "gate"));
 }
 
 /* Compares why rows were refused, up to the colon: "missing", "failed its calibration". Figures and paths follow it. */
@@ -219,16 +222,16 @@ static void compare_held(const pair *p, const char *part)
 
 static void compare_levels(const pair *p)
 {
-    static const char *const texts[] = {"method", "tf", "chosen_filter"},
-                      *const parts[] = {"simple_held", "stored", "bound", "extinction_scale"};
+    static const char *const texts[] = {"method", "tf", "chosen_filter"}, *const parts[] = {"simple_held", "stored",
+                                                                                            "bound",
+                                                                                            "extinction_scale"};
     const json_t *others = json_object_get(p->b, "figures"), *figure, *other;
     size_t i;
     for (i = 0; i < sizeof texts / sizeof *texts; ++i)
         compare_texts(p, texts[i], iso_row_text(p->a, texts[i]), iso_row_text(p->b, texts[i]));
     for (i = 0; i < sizeof parts / sizeof *parts; ++i)
         compare_held(p, parts[i]);
-    json_array_foreach(json_object_get(p->a, "figures"), i, figure)
-    {
+    json_array_foreach (json_object_get(p->a, "figures"), i, figure) {
         other = json_array_get(others, i);
         compare_numbers(p, iso_row_text(figure, "name"), iso_row_number(figure, "value"),
                         iso_row_number(other, "value"), (iso_tolerance){level_margin, "smaller ones are invisible"});
@@ -305,8 +308,7 @@ static json_t *rows_by_name(const json_t *report, const struct kind *kind)
 {
     json_t *rows = json_object(), *row;
     size_t i;
-    json_array_foreach(json_object_get(report, kind->list), i, row)
-    {
+    json_array_foreach (json_object_get(report, kind->list), i, row) {
         char name[NAME_BYTES], numbered[NAME_BYTES + 16];
         kind->name(row, name);
         snprintf(numbered, sizeof numbered, "%s", name);
@@ -349,8 +351,7 @@ static size_t compare_kind(json_t *rows, const struct kind *kind, const json_t *
     json_t *in_a = rows_by_name(a, kind), *in_b = rows_by_name(b, kind), *row;
     const char *name;
     size_t count = 0;
-    json_object_foreach(in_a, name, row)
-    {
+    json_object_foreach (in_a, name, row) {
         const pair p = {row, json_object_get(in_b, name), json_array(), factor};
         if (p.b) {
             compare_verdicts(&p);
@@ -359,12 +360,12 @@ static size_t compare_kind(json_t *rows, const struct kind *kind, const json_t *
         keep_row(rows, kind, name, &p);
         ++count;
     }
-    json_object_foreach(in_b, name, row) if (!json_object_get(in_a, name))
-    {
-        const pair p = {NULL, row, json_array(), factor};
-        keep_row(rows, kind, name, &p);
-        ++count;
-    }
+    json_object_foreach (in_b, name, row)
+        if (!json_object_get(in_a, name)) {
+            const pair p = {NULL, row, json_array(), factor};
+            keep_row(rows, kind, name, &p);
+            ++count;
+        }
     json_decref(in_a);
     json_decref(in_b);
     return count;
@@ -387,7 +388,9 @@ static void sort_rows(json_t *difference, json_t *rows)
     json_t *sorted = json_array(), *row;
     size_t i;
     for (int rank = 0; rank <= 12; ++rank)
-        json_array_foreach(rows, i, row) if (rank_of(row) == rank) json_array_append(sorted, row);
+        json_array_foreach (rows, i, row)
+            if (rank_of(row) == rank)
+                json_array_append(sorted, row);
     json_object_set_new(difference, "rows", sorted);
     json_decref(rows);
 }
@@ -409,8 +412,7 @@ static void compare_section(json_t *facts, const char *section, const json_t *a,
         json_object_update(both, (json_t *)a);
     if (json_is_object(b))
         json_object_update(both, (json_t *)b);
-    json_object_foreach(both, key, unused)
-    {
+    json_object_foreach (both, key, unused) {
         char fact[400];
         snprintf(fact, sizeof fact, "%.150s: %.200s", section, key);
         add_fact(facts, fact, json_object_get(a, key), json_object_get(b, key), counts);
@@ -433,8 +435,7 @@ static void compare_asked(json_t *facts, const json_t *a, const json_t *b, bool 
 {
     const char *scene;
     json_t *asked;
-    json_object_foreach((json_t *)a, scene, asked)
-    {
+    json_object_foreach ((json_t *)a, scene, asked) {
         char section[200];
         snprintf(section, sizeof section, "asked by %.150s", scene);
         if (json_object_get(b, scene))
@@ -491,10 +492,10 @@ size_t iso_difference_count_worse(const json_t *difference)
 {
     size_t i, j, count = 0;
     json_t *row, *what;
-    json_array_foreach(json_object_get(difference, "rows"), i, row)
-    {
+    json_array_foreach (json_object_get(difference, "rows"), i, row) {
         count += strcmp(iso_row_text(row, "change"), "disappeared") == 0;
-        json_array_foreach(json_object_get(row, "what"), j, what) count += json_is_true(json_object_get(what, "worse"));
+        json_array_foreach (json_object_get(row, "what"), j, what)
+            count += json_is_true(json_object_get(what, "worse"));
     }
     return count;
 }
@@ -509,7 +510,8 @@ iso_status iso_difference_accept(const json_t *report, json_t **accepted, iso_er
         json_object_set(*accepted, about[i], json_object_get(report, about[i]));
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
         json_t *list = json_deep_copy(json_object_get(report, kinds[i].list));
-        json_array_foreach(list, k, row) json_object_del(row, "seconds");
+        json_array_foreach (list, k, row)
+            json_object_del(row, "seconds");
         rows += json_array_size(list);
         json_object_set_new(*accepted, kinds[i].list, list);
     }

@@ -26,8 +26,9 @@ static const json_t *row_of_image(const json_t *report, const char *name)
 {
     size_t i;
     json_t *row;
-    json_array_foreach(json_object_get(report, "agreement"), i,
-                       row) if (strcmp(iso_row_text(row, "image_b"), name) == 0) return row;
+    json_array_foreach (json_object_get(report, "agreement"), i, row)
+        if (strcmp(iso_row_text(row, "image_b"), name) == 0)
+            return row;
     return NULL;
 }
 
@@ -179,8 +180,7 @@ iso_status iso_difference_add_pictures(json_t *difference, const iso_report_sour
     const char *name;
     size_t count = 0;
     iso_status status = ISO_OK;
-    json_object_foreach(json_object_get(a->root, "images"), name, about)
-    {
+    json_object_foreach (json_object_get(a->root, "images"), name, about) {
         picture_pair p = {.name = name,
                           .about = about,
                           .rows = {row_of_image(a->root, name), row_of_image(b->root, name)}};
@@ -210,7 +210,8 @@ static size_t count_changes(const json_t *rows, const char *change)
 {
     size_t i, count = 0;
     json_t *row;
-    json_array_foreach(rows, i, row) count += strcmp(iso_row_text(row, "change"), change) == 0;
+    json_array_foreach (rows, i, row)
+        count += strcmp(iso_row_text(row, "change"), change) == 0;
     return count;
 }
 
@@ -218,7 +219,8 @@ static size_t count_counting(const json_t *list)
 {
     size_t i, count = 0;
     json_t *one;
-    json_array_foreach(list, i, one) count += json_is_true(json_object_get(one, "counts"));
+    json_array_foreach (list, i, one)
+        count += json_is_true(json_object_get(one, "counts"));
     return count;
 }
 
@@ -227,11 +229,12 @@ static void add_fact_count(const json_t *difference, size_t counting, char *sent
 {
     const json_t *facts = json_object_get(difference, "facts"), *fact;
     size_t i, machine = 0;
-    json_array_foreach(facts, i, fact) machine += strncmp(iso_row_text(fact, "fact"), "machine", 7) == 0;
+    json_array_foreach (facts, i, fact)
+        machine += strncmp(iso_row_text(fact, "fact"), "machine", 7) == 0;
     const size_t count = json_array_size(facts) - machine;
     if (count > 0)
-        iso_words_append(sentence, size, " %zu version%s or option%s differ%s%s.", count, iso_words_plural(count), iso_words_plural(count),
-                         count == 1 ? "s" : "", counting ? "" : " (not counted, by request)");
+        iso_words_append(sentence, size, " %zu version%s or option%s differ%s%s.", count, iso_words_plural(count),
+                         iso_words_plural(count), count == 1 ? "s" : "", counting ? "" : " (not counted, by request)");
     if (json_object_get(difference, "pictures_missing"))
         iso_words_append(sentence, size, " %s", iso_row_text(difference, "pictures_missing"));
 }
@@ -246,8 +249,8 @@ void iso_difference_conclude(json_t *difference)
                  facts = count_counting(json_object_get(difference, "facts"));
     char sentence[1024] = "";
     if (json_array_size(rows) + differing == 0)
-        iso_words_append(sentence, sizeof sentence, "No difference in %zu row%s and %zu picture%s.", all, iso_words_plural(all),
-                         shown, iso_words_plural(shown));
+        iso_words_append(sentence, sizeof sentence, "No difference in %zu row%s and %zu picture%s.", all,
+                         iso_words_plural(all), shown, iso_words_plural(shown));
     else
         iso_words_append(sentence, sizeof sentence,
                          "The reports differ: %zu of %zu row%s changed, %zu appeared and %zu disappeared; %zu of %zu "

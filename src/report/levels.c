@@ -103,10 +103,11 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
     for (size_t i = 0; i < row->rival_count; ++i)
         json_array_append_new(rivals, rival_json(row, &row->rivals[i]));
     json_t *o = json_pack("{s:I, s:I, s:s, s:s, s:s, s:f, s:f, s:o, s:o, s:o}", "level", (json_int_t)row->level,
-                          "views", (json_int_t)row->views, "method", row->method, "tf", tf_word(row->adapted, row->scaled),
-                          "verdict", iso_verdict_word(iso_report_level_verdict(row)), "confidence", row->confidence,
-                          "margin", row->margin, "figures", figures_json(row), "simple", rival_json(row, &row->simple),
-                          "rivals", rivals);
+                          "views", (json_int_t)row->views, "method", row->method, "tf",
+                          tf_word(row->adapted, row->scaled), "verdict",
+                          iso_verdict_word(iso_report_level_verdict(row)), "confidence", row->confidence, "margin",
+                          row->margin, "figures", figures_json(row), "simple", rival_json(row, &row->simple), "rivals",
+                          rivals);
     json_object_set_new(o, "views_before", json_integer((json_int_t)row->views_before));
     if (row->bound.views > 0)
         json_object_set_new(o, "bound",
@@ -122,8 +123,8 @@ iso_status iso_report_add_level(iso_report *r, const iso_report_level *row, iso_
         json_object_set_new(o, "chosen_filter", json_string(row->chosen));
     json_object_set_new(o, "simple_held", json_boolean(!is_worse(row, row->simple.deficit)));
     json_object_set_new(o, "directions",
-                        json_pack("{s:o, s:o, s:o, s:o}", "angle_deg", iso_json_number(row->angle_deg),
-                                  "simple_deg", iso_json_number(row->simple_angle_deg), "difference_deg",
+                        json_pack("{s:o, s:o, s:o, s:o}", "angle_deg", iso_json_number(row->angle_deg), "simple_deg",
+                                  iso_json_number(row->simple_angle_deg), "difference_deg",
                                   iso_json_number(row->angle_deficit.difference), "half_width_deg",
                                   iso_json_number(row->angle_deficit.half_width)));
     json_object_set_new(o, "stored",
@@ -156,13 +157,13 @@ static void add_better_figures(iso_levels_summary *s, const json_t *rival)
     const char *before = "";
     json_t *f;
     size_t i;
-    json_array_foreach(json_object_get(rival, "figures"), i, f)
-    {
+    json_array_foreach (json_object_get(rival, "figures"), i, f) {
         const double value = iso_row_number(f, "value"), difference = iso_row_number(f, "difference");
         if (!is_true(f, "better"))
             continue;
         iso_words_append(s->sentence, sizeof s->sentence, "%s%s %.3g against %.3g, %.2g +- %.2g less", before,
-                         iso_row_text(f, "name"), value, value + difference, difference, iso_row_number(f, "half_width"));
+                         iso_row_text(f, "name"), value, value + difference, difference,
+                         iso_row_number(f, "half_width"));
         before = "; ";
     }
 }
@@ -198,9 +199,10 @@ static void add_failures(iso_levels_summary *s, const json_t *row)
             s->sentence, sizeof s->sentence,
             " Level %lld differs from one made of level 0: values by up to %.2g of their range, directions by %.3g degrees on average.",
             level, iso_row_number(stored, "scalar"), iso_row_number(stored, "direction_deg"));
-    json_array_foreach(json_object_get(row, "figures"), i, f) if (!is_true(f, "held"))
-        iso_words_append(s->sentence, sizeof s->sentence, " Level %lld: %s is %.3g, the limit is %.3g.", level,
-                         iso_row_text(f, "name"), iso_row_number(f, "value"), iso_row_number(f, "asked"));
+    json_array_foreach (json_object_get(row, "figures"), i, f)
+        if (!is_true(f, "held"))
+            iso_words_append(s->sentence, sizeof s->sentence, " Level %lld: %s is %.3g, the limit is %.3g.", level,
+                             iso_row_text(f, "name"), iso_row_number(f, "value"), iso_row_number(f, "asked"));
     const json_t *bound = json_object_get(row, "bound");
     if (bound && !is_true(bound, "held"))
         iso_words_append(s->sentence, sizeof s->sentence,
@@ -224,8 +226,7 @@ static void add_bounds(iso_levels_summary *s, const json_t *rows)
     const char *before = " RMSE, and its bound: ";
     json_t *row;
     size_t i;
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         const json_t *bound = json_object_get(row, "bound");
         if (!bound)
             continue;
@@ -246,8 +247,7 @@ static double advantage(const json_t *rival)
     size_t i;
     if (!is_true(rival, "better"))
         return 0;
-    json_array_foreach(json_object_get(rival, "figures"), i, f)
-    {
+    json_array_foreach (json_object_get(rival, "figures"), i, f) {
         const double value = iso_row_number(f, "value"), difference = iso_row_number(f, "difference");
         if (is_true(f, "better"))
             most = fmax(most, difference / fmax(value + difference, 1e-9));
@@ -261,8 +261,7 @@ static const json_t *best_rival(const json_t *row, bool choices)
     const json_t *best = NULL;
     json_t *rival;
     size_t i;
-    json_array_foreach(json_object_get(row, "rivals"), i, rival)
-    {
+    json_array_foreach (json_object_get(row, "rivals"), i, rival) {
         if (advantage(rival) > (best ? advantage(best) : 0) && (!choices || is_choice_wrong(row, rival)))
             best = rival;
     }
@@ -274,17 +273,17 @@ static void add_near_ones(iso_levels_summary *s, const json_t *rows)
 {
     size_t i, k, r, all = 0, smaller = 0;
     json_t *row, *f, *rival;
-    json_array_foreach(rows, i, row) json_array_foreach(json_object_get(row, "figures"), k, f)
-    {
-        bool is_smaller_there = false;
-        json_array_foreach(json_object_get(row, "rivals"), r, rival)
-        {
-            const json_t *its = json_array_get(json_object_get(rival, "figures"), k);
-            is_smaller_there = is_smaller_there || (iso_row_number(its, "difference") > 0 && !is_true(its, "better"));
+    json_array_foreach (rows, i, row)
+        json_array_foreach (json_object_get(row, "figures"), k, f) {
+            bool is_smaller_there = false;
+            json_array_foreach (json_object_get(row, "rivals"), r, rival) {
+                const json_t *its = json_array_get(json_object_get(rival, "figures"), k);
+                is_smaller_there = is_smaller_there ||
+                                   (iso_row_number(its, "difference") > 0 && !is_true(its, "better"));
+            }
+            ++all;
+            smaller += is_smaller_there;
         }
-        ++all;
-        smaller += is_smaller_there;
-    }
     if (smaller > 0)
         iso_words_append(
             s->sentence, sizeof s->sentence,
@@ -297,8 +296,7 @@ static void add_added_views(iso_levels_summary *s, const json_t *rows)
 {
     json_t *row;
     size_t i;
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         const double views = iso_row_number(row, "views"), before = iso_row_number(row, "views_before");
         if (views > before)
             iso_words_append(s->sentence, sizeof s->sentence,
@@ -311,8 +309,10 @@ static bool is_anything_asked(const json_t *rows)
 {
     size_t i, k;
     json_t *row, *f;
-    json_array_foreach(rows, i, row) json_array_foreach(json_object_get(row, "figures"), k,
-                                                        f) if (json_is_number(json_object_get(f, "asked"))) return true;
+    json_array_foreach (rows, i, row)
+        json_array_foreach (json_object_get(row, "figures"), k, f)
+            if (json_is_number(json_object_get(f, "asked")))
+                return true;
     return false;
 }
 
@@ -331,9 +331,9 @@ static void write_sentence(iso_levels_summary *s, const json_t *rows)
                          count, s->differed == 1 ? "s" : "");
     size_t i;
     json_t *row;
-    json_array_foreach(rows, i, row) add_failures(s, row);
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row)
+        add_failures(s, row);
+    json_array_foreach (rows, i, row) {
         const json_t *best = best_rival(row, false), *choice = best_rival(row, true);
         if (best)
             add_rival(s, row, best);
@@ -353,9 +353,11 @@ static void add_stage_reason(iso_levels_summary *s, const json_t *agreement)
 {
     const json_t *row;
     size_t i;
-    json_array_foreach(agreement, i, row) if (iso_row_identify(row).comparison == ISO_COMPARISON_STAGE &&
-                                              strcmp(iso_row_text(row, "variant"), "consistency") == 0)
-        iso_words_append(s->sentence, sizeof s->sentence, "The levels were not judged: %s.", iso_row_text(row, "why"));
+    json_array_foreach (agreement, i, row)
+        if (iso_row_identify(row).comparison == ISO_COMPARISON_STAGE &&
+            strcmp(iso_row_text(row, "variant"), "consistency") == 0)
+            iso_words_append(s->sentence, sizeof s->sentence, "The levels were not judged: %s.",
+                             iso_row_text(row, "why"));
 }
 
 iso_levels_summary iso_levels_summarize(const json_t *report)
@@ -364,8 +366,7 @@ iso_levels_summary iso_levels_summarize(const json_t *report)
     iso_levels_summary s = {0};
     json_t *row;
     size_t i;
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         const iso_verdict verdict = iso_row_verdict(row);
         s.agreed += verdict == ISO_VERDICT_AGREE;
         s.not_compared += verdict == ISO_VERDICT_NOT_COMPARED;

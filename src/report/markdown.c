@@ -104,13 +104,12 @@ static excess worst_of(const json_t *row)
     const char *metric;
     json_t *limit, *gate;
     size_t i;
-    json_object_foreach(json_object_get(row, "limits"), metric, limit)
-    {
+    json_object_foreach (json_object_get(row, "limits"), metric, limit) {
         const bool ssim = strcmp(metric, "ssim_dissimilarity") == 0;
         consider(&worst, metric, ssim ? 1 - iso_row_number(row, "ssim") : iso_row_number(row, metric),
                  json_number_value(limit));
     }
-    json_array_foreach(json_object_get(row, "gates"), i, gate)
+    json_array_foreach (json_object_get(row, "gates"), i, gate)
         consider(&worst, iso_row_text(gate, "name"), iso_row_number(gate, "value"), iso_row_number(gate, "limit"));
     return worst;
 }
@@ -167,8 +166,7 @@ static void put_failures(FILE *f, const json_t *root)
     json_t *row;
     size_t i, k, count = 0;
     for (k = 0; k < sizeof sections / sizeof *sections; ++k)
-        json_array_foreach(json_object_get(root, sections[k].list), i, row)
-        {
+        json_array_foreach (json_object_get(root, sections[k].list), i, row) {
             const iso_verdict verdict = iso_row_verdict(row);
             if (!sections[k].put || (verdict != ISO_VERDICT_DIFFER && verdict != ISO_VERDICT_FAIL))
                 continue;
@@ -186,22 +184,22 @@ static void put_refusals(FILE *f, const json_t *agreement)
     json_t *reasons = json_object(), *row, *rows;
     const char *key;
     size_t i;
-    json_array_foreach((json_t *)agreement, i, row) if (iso_row_verdict(row) == ISO_VERDICT_REFUSED)
-    {
-        const iso_row_identity id = iso_row_identify(row);
-        char *name = NULL;
-        if (asprintf(&name, "%s: %s", id.renderer, iso_row_text(row, "why")) < 0)
-            continue;
-        json_object_set_new(reasons, name, json_integer(1 + json_integer_value(json_object_get(reasons, name))));
-        free(name);
-    }
+    json_array_foreach ((json_t *)agreement, i, row)
+        if (iso_row_verdict(row) == ISO_VERDICT_REFUSED) {
+            const iso_row_identity id = iso_row_identify(row);
+            char *name = NULL;
+            if (asprintf(&name, "%s: %s", id.renderer, iso_row_text(row, "why")) < 0)
+                continue;
+            json_object_set_new(reasons, name, json_integer(1 + json_integer_value(json_object_get(reasons, name))));
+            free(name);
+        }
     if (json_object_size(reasons) > 0)
         fputs("\n**Refused**\n\n", f);
-    json_object_foreach(reasons, key, rows)
-    {
+    json_object_foreach (reasons, key, rows) {
         fputs("- ", f);
         iso_markdown_put_text(f, key);
-        fprintf(f, " (%lld row%s)\n", (long long)json_integer_value(rows), iso_words_plural((size_t)json_integer_value(rows)));
+        fprintf(f, " (%lld row%s)\n", (long long)json_integer_value(rows),
+                iso_words_plural((size_t)json_integer_value(rows)));
     }
     json_decref(reasons);
 }
@@ -211,18 +209,18 @@ static void put_not_calibrated(FILE *f, const json_t *calibration)
 {
     size_t i, count = 0;
     json_t *row;
-    json_array_foreach((json_t *)calibration, i, row) if (iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED)
-    {
-        if (count++ == 0)
-            fputs("\n**Not calibrated**\n\n", f);
-        fputs("- ", f);
-        iso_markdown_put_text(f, iso_row_text(row, "renderer"));
-        fputs(", ", f);
-        iso_markdown_put_text(f, iso_row_text(row, "check"));
-        fputs(": ", f);
-        iso_markdown_put_text(f, iso_row_text(row, "detail"));
-        fputs("\n", f);
-    }
+    json_array_foreach ((json_t *)calibration, i, row)
+        if (iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED) {
+            if (count++ == 0)
+                fputs("\n**Not calibrated**\n\n", f);
+            fputs("- ", f);
+            iso_markdown_put_text(f, iso_row_text(row, "renderer"));
+            fputs(", ", f);
+            iso_markdown_put_text(f, iso_row_text(row, "check"));
+            fputs(": ", f);
+            iso_markdown_put_text(f, iso_row_text(row, "detail"));
+            fputs("\n", f);
+        }
 }
 
 static void put_versions(FILE *f, const json_t *versions)
@@ -232,8 +230,7 @@ static void put_versions(FILE *f, const json_t *versions)
     if (json_object_size(versions) == 0)
         return;
     fputs("\n| | version |\n|---|---|\n", f);
-    json_object_foreach((json_t *)versions, what, version)
-    {
+    json_object_foreach ((json_t *)versions, what, version) {
         fputs("| ", f);
         put_cell(f, what);
         iso_markdown_put_text(f, json_is_string(version) ? json_string_value(version) : "");
@@ -299,7 +296,7 @@ static void put_changed_row(FILE *f, const json_t *row)
     if (json_array_size(what) == 0)
         put_change(f, row, iso_row_text(row, "change"), json_object_get(row, "verdict_a"),
                    json_object_get(row, "verdict_b"));
-    json_array_foreach(what, i, one)
+    json_array_foreach (what, i, one)
         put_change(f, row, iso_row_text(one, "what"), json_object_get(one, "a"), json_object_get(one, "b"));
 }
 
@@ -310,8 +307,7 @@ static void put_facts(FILE *f, const json_t *facts)
     if (json_array_size(facts) == 0)
         return;
     fputs("\n| made with | A | B |\n|---|---|---|\n", f);
-    json_array_foreach((json_t *)facts, i, fact)
-    {
+    json_array_foreach ((json_t *)facts, i, fact) {
         fputs("| ", f);
         put_cell(f, iso_row_text(fact, "fact"));
         put_value(f, json_object_get(fact, "a"));
@@ -327,7 +323,9 @@ static void put_difference(FILE *f, const json_t *difference)
     put_head(f, "isoshade report diff: ", difference);
     if (json_array_size(rows) > 0)
         fputs("| row | what | A | B |\n|---|---|---|---|\n", f);
-    json_array_foreach(rows, i, row) if (i < MOST_ROWS) put_changed_row(f, row);
+    json_array_foreach (rows, i, row)
+        if (i < MOST_ROWS)
+            put_changed_row(f, row);
     put_more(f, json_array_size(rows));
     put_facts(f, json_object_get(difference, "facts"));
 }

@@ -80,8 +80,7 @@ static void put_agreement_csv(FILE *f, const json_t *rows)
     size_t i;
     json_t *row;
     fputs("case,rmse,rmse_limit,max_abs,max_abs_limit,error_bar,verdict\n", f);
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         const json_t *limits = json_object_get(row, "limits");
         char label[400], name[ISO_ROW_NAME_BYTES];
         iso_row_name_of(row, name);
@@ -116,16 +115,14 @@ static void put_consistency_csv(FILE *f, const json_t *rows)
     fputs(
         "method,level,views,ssim_dissimilarity_mean,flip_mean,gradient_angle_mean_deg,gradient_angle_p95_deg,tf,original_kept,rmse_mean\n",
         f);
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         iso_report_consistency_name(row, name);
         if (json_object_get(seen, name))
             continue;
         if (json_object_size(seen) > 0)
             fputs("\n\n", f);
         json_object_set_new(seen, name, json_true());
-        json_array_foreach(rows, j, other)
-        {
+        json_array_foreach (rows, j, other) {
             iso_report_consistency_name(other, other_name);
             if (strcmp(name, other_name) == 0)
                 put_consistency_line(f, other);

@@ -48,12 +48,11 @@ static void put_why_it_differs(FILE *f, const json_t *row)
     if (json_integer_value(json_object_get(row, "nonfinite_count")) > 0)
         fprintf(f, "%lld pixels are not finite; ",
                 (long long)json_integer_value(json_object_get(row, "nonfinite_count")));
-    json_object_foreach((json_t *)limits, key, limit)
-    {
+    json_object_foreach ((json_t *)limits, key, limit) {
         const bool ssim = strcmp(key, "ssim_dissimilarity") == 0;
         put_unheld(f, key, ssim ? 1 - iso_row_number(row, "ssim") : iso_row_number(row, key), json_number_value(limit));
     }
-    json_array_foreach(gates, i, gate)
+    json_array_foreach (gates, i, gate)
         put_unheld(f, iso_row_text(gate, "name"), iso_row_number(gate, "value"), iso_row_number(gate, "limit"));
     if (json_object_size(limits) == 0 && json_array_size(gates) == 0)
         fprintf(f, "max_abs %.4g, without limits only equal images agree; ", iso_row_number(row, "max_abs"));
@@ -155,12 +154,12 @@ static void put_simple(FILE *f, const json_t *simple)
 {
     json_t *figure;
     size_t i;
-    json_array_foreach(json_object_get(simple, "figures"), i, figure)
-    {
+    json_array_foreach (json_object_get(simple, "figures"), i, figure) {
         if (!json_is_true(json_object_get(figure, "better")))
             continue;
         iso_markup_put(f, iso_row_text(figure, "name"));
-        fprintf(f, " %.3g worse than gradients on the fly under the original TF; ", iso_row_number(figure, "difference"));
+        fprintf(f, " %.3g worse than gradients on the fly under the original TF; ",
+                iso_row_number(figure, "difference"));
     }
 }
 
@@ -194,15 +193,17 @@ static void put_case_levels(FILE *f, const json_t *root, const json_t *row)
                    iso_row_number(scale, "differing_voxels"), 0);
     if (scale && !json_is_true(json_object_get(scale, "has_effect")))
         fputs("the extinction scale changes no picture; ", f);
-    json_array_foreach(json_object_get(row, "figures"), i, figure) if (!json_is_true(json_object_get(figure, "held")))
-        put_unheld(f, iso_row_text(figure, "name"), iso_row_number(figure, "value"), iso_row_number(figure, "asked"));
+    json_array_foreach (json_object_get(row, "figures"), i, figure)
+        if (!json_is_true(json_object_get(figure, "held")))
+            put_unheld(f, iso_row_text(figure, "name"), iso_row_number(figure, "value"),
+                       iso_row_number(figure, "asked"));
     if (!json_is_true(json_object_get(row, "simple_held")))
         put_simple(f, json_object_get(row, "simple"));
     fputs("\"/>\n    </testcase>\n", f);
 }
 
 typedef struct suite {
-    const char *name; /* also of the rows */
+    const char *name;                                                 /* also of the rows */
     void (*put_case)(FILE *f, const json_t *root, const json_t *row), /* one of the two */
         (*put_facts)(FILE *f, const json_t *row);
 } suite;
@@ -238,15 +239,13 @@ static size_t put_open_cases(FILE *f, json_t *unanswered)
     const char *scene;
     json_t *renderers, *renderer;
     size_t i, count = 0;
-    json_object_foreach(unanswered, scene, renderers)
-    {
+    json_object_foreach (unanswered, scene, renderers) {
         if (json_array_size(renderers) == 0) {
             ++count;
             if (f)
                 put_open_case(f, scene, NULL);
         }
-        json_array_foreach(renderers, i, renderer)
-        {
+        json_array_foreach (renderers, i, renderer) {
             ++count;
             if (f)
                 put_open_case(f, scene, json_string_value(renderer));
@@ -264,8 +263,7 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
     json_t *row, *version, *open = s->put_case == put_case_agreement ? iso_rows_unanswered(rows) : NULL;
     const size_t open_count = put_open_cases(NULL, open);
     failures = open_count;
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         const bool failed = has_verdict(row, ISO_VERDICT_DIFFER) || has_verdict(row, ISO_VERDICT_FAIL),
                    nothing = json_is_null(json_object_get(row, "value"));
         failures += failed && !nothing;
@@ -279,11 +277,15 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
     fprintf(f, " tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" skipped=\"%zu\" time=\"%.3f\">\n    <properties>\n",
             s->put_case ? json_array_size(rows) + open_count : 0, failures, errors, skipped, seconds);
     put_property(f, "command", json_string_value(json_object_get(root, "command")));
-    json_object_foreach(json_object_get(root, "versions"), key, version)
+    json_object_foreach (json_object_get(root, "versions"), key, version)
         put_property(f, key, json_string_value(version));
-    json_array_foreach(rows, i, row) if (s->put_facts) s->put_facts(f, row);
+    json_array_foreach (rows, i, row)
+        if (s->put_facts)
+            s->put_facts(f, row);
     fputs("    </properties>\n", f);
-    json_array_foreach(rows, i, row) if (s->put_case) s->put_case(f, root, row);
+    json_array_foreach (rows, i, row)
+        if (s->put_case)
+            s->put_case(f, root, row);
     put_open_cases(f, open);
     json_decref(open);
     fputs("    <system-out/>\n    <system-err/>\n  </testsuite>\n", f);

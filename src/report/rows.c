@@ -86,9 +86,9 @@ static void note_row(scenes_seen *seen, const json_t *row)
     const iso_verdict verdict = iso_row_verdict(row);
     const iso_row_identity id = iso_row_identify(row);
     const bool compared = verdict == ISO_VERDICT_AGREE || verdict == ISO_VERDICT_DIFFER,
-               faint = verdict == ISO_VERDICT_NOT_COMPARED && (iso_row_uncompared(row) == ISO_UNCOMPARED_FAINT ||
-                                                               (iso_row_uncompared(row) == ISO_UNCOMPARED_BUDGET &&
-                                                                *iso_row_text(row, "renderer")));
+               faint = verdict == ISO_VERDICT_NOT_COMPARED &&
+                       (iso_row_uncompared(row) == ISO_UNCOMPARED_FAINT ||
+                        (iso_row_uncompared(row) == ISO_UNCOMPARED_BUDGET && *iso_row_text(row, "renderer")));
     json_t *renderers = json_object_get(seen->renderers, scene);
     if (!renderers) {
         renderers = json_object();
@@ -108,14 +108,14 @@ json_t *iso_rows_unanswered(const json_t *rows)
     json_t *open = json_object(), *row, *asked, *answered;
     const char *scene, *renderer;
     size_t i;
-    json_array_foreach((json_t *)rows, i, row) note_row(&seen, row);
-    json_object_foreach(seen.asked, scene, asked)
-    {
+    json_array_foreach ((json_t *)rows, i, row)
+        note_row(&seen, row);
+    json_object_foreach (seen.asked, scene, asked) {
         json_t *list = json_array();
         const bool compared = json_object_get(seen.compared, scene);
-        json_object_foreach(json_object_get(seen.renderers, scene), renderer,
-                            answered) if (compared && json_is_false(answered))
-            json_array_append_new(list, json_string(renderer));
+        json_object_foreach (json_object_get(seen.renderers, scene), renderer, answered)
+            if (compared && json_is_false(answered))
+                json_array_append_new(list, json_string(renderer));
         if (json_array_size(list) > 0 || !compared)
             json_object_set(open, scene, list);
         json_decref(list);

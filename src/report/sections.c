@@ -26,7 +26,7 @@ bool iso_sections_hold(const json_t *report)
     size_t i, k;
     json_t *row;
     for (i = 0; i < COUNT; ++i)
-        json_array_foreach(json_object_get(report, sections[i].name), k, row)
+        json_array_foreach (json_object_get(report, sections[i].name), k, row)
             if (sections[i].verdicts && bad_verdicts >> iso_row_verdict(row) & 1)
                 return false;
     return true;
@@ -77,12 +77,12 @@ iso_status iso_report_check(const json_t *report, const char *path, iso_error *e
                         strncmp(schema, ISO_REPORT_SCHEMA, strlen(ISO_REPORT_SCHEMA) - 1) == 0
                             ? "another version of isoshade wrote it; validate again"
                             : "not a report.json of isoshade validate");
-    json_object_foreach((json_t *)report, key, rows) json_array_foreach(rows, i, row)
-    {
-        const iso_status status = check_row(path, key, i, row, err);
-        if (status != ISO_OK)
-            return status;
-    }
+    json_object_foreach ((json_t *)report, key, rows)
+        json_array_foreach (rows, i, row) {
+            const iso_status status = check_row(path, key, i, row, err);
+            if (status != ISO_OK)
+                return status;
+        }
     const json_t *verdict = json_object_get(report, "verdict");
     if (verdict && !((ISO_IS(AGREE) | ISO_IS(DIFFER)) >> iso_verdict_from(verdict) & 1))
         return iso_fail(err, ISO_E_FORMAT, "%s: unknown verdict \"%.60s\", must be agree or differ", path,

@@ -12,7 +12,8 @@ static size_t count_verdicts(const iso_report *r, const char *list, iso_verdict 
 {
     size_t i, count = 0;
     json_t *row;
-    json_array_foreach(json_object_get(iso_report_json(r), list), i, row) count += iso_row_verdict(row) == verdict;
+    json_array_foreach (json_object_get(iso_report_json(r), list), i, row)
+        count += iso_row_verdict(row) == verdict;
     return count;
 }
 
@@ -33,11 +34,11 @@ static void add_unanswered(iso_report_summary *s, json_t *unanswered)
 {
     const char *scene, *first_scene = NULL, *first = NULL;
     json_t *renderers;
-    json_object_foreach(unanswered, scene, renderers) if (!first_scene)
-    {
-        first_scene = scene;
-        first = json_string_value(json_array_get(renderers, 0));
-    }
+    json_object_foreach (unanswered, scene, renderers)
+        if (!first_scene) {
+            first_scene = scene;
+            first = json_string_value(json_array_get(renderers, 0));
+        }
     iso_words_append(s->sentence, sizeof s->sentence, "nothing was compared%s%s in the scene %s", first ? " of " : "",
                      first ? first : "", first_scene ? first_scene : "");
     if (s->unanswered > 1)
@@ -59,8 +60,7 @@ static void add_refused(iso_report_summary *s, const json_t *rows)
 {
     size_t i;
     json_t *row;
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         const char *name = json_string_value(json_object_get(row, "renderer")),
                    *why = json_string_value(json_object_get(row, "why"));
         if (iso_row_verdict(row) != ISO_VERDICT_REFUSED || !name || !why)
@@ -68,8 +68,7 @@ static void add_refused(iso_report_summary *s, const json_t *rows)
         iso_words_append(s->sentence, sizeof s->sentence, "%s: %s", name, why);
         return;
     }
-    iso_words_append(s->sentence, sizeof s->sentence,
-                     "a renderer is missing, failed, or did not pass its calibration");
+    iso_words_append(s->sentence, sizeof s->sentence, "a renderer is missing, failed, or did not pass its calibration");
 }
 
 static void write_sentence(iso_report_summary *s, const json_t *rows, json_t *unanswered)
@@ -86,11 +85,11 @@ static void write_sentence(iso_report_summary *s, const json_t *rows, json_t *un
                          "The renderers agree: %zu of %zu requested comparisons %s within %s limits", judged, asked,
                          judged == 1 ? "is" : "are", judged == 1 ? "its" : "their");
     else if (s->differed == 0 && s->refused > 0) {
-        iso_words_append(s->sentence, sizeof s->sentence, "%zu comparison%s agree%s; %zu could not be made: ", s->agreed,
-                         iso_words_plural(s->agreed), s->agreed == 1 ? "s" : "", s->refused);
+        iso_words_append(s->sentence, sizeof s->sentence,
+                         "%zu comparison%s agree%s; %zu could not be made: ", s->agreed, iso_words_plural(s->agreed),
+                         s->agreed == 1 ? "s" : "", s->refused);
         add_refused(s, rows);
-    }
-    else if (s->differed == 0 && s->unanswered > 0) {
+    } else if (s->differed == 0 && s->unanswered > 0) {
         iso_words_append(s->sentence, sizeof s->sentence, "%zu comparison%s agree%s, but ", s->agreed,
                          iso_words_plural(s->agreed), s->agreed == 1 ? "s" : "");
         add_unanswered(s, unanswered);
@@ -124,9 +123,10 @@ iso_report_summary iso_report_summarize(const iso_report *r)
     json_t *row, *renderers, *unanswered = iso_rows_unanswered(rows);
     const char *scene;
     size_t i;
-    json_array_foreach(rows, i, row) if (iso_row_verdict(row) ==
-                                         ISO_VERDICT_NOT_COMPARED)++ s.by_reason[iso_row_uncompared(row)];
-    json_object_foreach(unanswered, scene, renderers)
+    json_array_foreach (rows, i, row)
+        if (iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED)
+            ++s.by_reason[iso_row_uncompared(row)];
+    json_object_foreach (unanswered, scene, renderers)
         s.unanswered += json_array_size(renderers) > 0 ? json_array_size(renderers) : 1;
     /* If nothing agreed, something differs, was refused, or is unanswered. */
     s.good = s.differed == 0 && s.refused == 0 && s.calibrations_failed == 0 && s.unanswered == 0;

@@ -25,8 +25,9 @@ static const json_t *find_entry(const iso_pyramid *p, size_t level)
 {
     const json_t *entry;
     size_t i;
-    json_array_foreach(json_object_get(p->made_for, "levels"), i,
-                       entry) if ((size_t)json_integer_value(json_object_get(entry, "level")) == level) return entry;
+    json_array_foreach (json_object_get(p->made_for, "levels"), i, entry)
+        if ((size_t)json_integer_value(json_object_get(entry, "level")) == level)
+            return entry;
     return NULL;
 }
 

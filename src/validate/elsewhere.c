@@ -149,10 +149,9 @@ static void put_wanted(FILE *f, const json_t *pictures)
 {
     size_t i, k;
     json_t *one, *file;
-    json_array_foreach((json_t *)pictures, i, one)
-    {
+    json_array_foreach ((json_t *)pictures, i, one) {
         const json_t *size = json_object_get(one, "size");
-        json_array_foreach(json_object_get(one, "files"), k, file)
+        json_array_foreach (json_object_get(one, "files"), k, file)
             fprintf(f, "    %s/%s  %lld x %lld pixels, step %.9g mm (%.9g voxels)\n",
                     json_string_value(json_object_get(one, "folder")), json_string_value(json_object_get(file, "file")),
                     (long long)json_integer_value(json_array_get(size, 0)),
@@ -166,15 +165,14 @@ static void put_readme(FILE *f, const iso_elsewhere *e, const char *validate)
 {
     size_t i;
     json_t *one;
-    fputs(
-        "Requested pictures\n"
-        "==================\n\n"
-        "Each folder holds one request: request.json describes the picture, volume.nrrd has the values and\n"
-        "directions.nrrd, if a light is visible, their directions. isoshade's doc/reference/files-request.md\n"
-        "has the keys, doc/guide/numpy_renderer.py is a short renderer that reads them.\n\n"
-        "Draw these, and leave each where its request lies: OpenEXR, 32-bit float, channels R G B A, linear light,\n"
-        "color multiplied by alpha, background included, of exactly that size:\n\n",
-        f);
+    fputs("Requested pictures\n"
+          "==================\n\n"
+          "Each folder holds one request: request.json describes the picture, volume.nrrd has the values and\n"
+          "directions.nrrd, if a light is visible, their directions. isoshade's doc/reference/files-request.md\n"
+          "has the keys, doc/guide/numpy_renderer.py is a short renderer that reads them.\n\n"
+          "Draw these, and leave each where its request lies: OpenEXR, 32-bit float, channels R G B A, linear light,\n"
+          "color multiplied by alpha, background included, of exactly that size:\n\n",
+          f);
     put_wanted(f, e->pictures);
     fprintf(
         f,
@@ -188,7 +186,7 @@ static void put_readme(FILE *f, const iso_elsewhere *e, const char *validate)
         "\"bits\", \"limits\" ({\"rmse\", \"max_abs\"}) with \"why\", and \"title\", as in renderers.json\n"
         "(doc/reference/files-request.md).\n",
         e->steps ? ",\nfor the limit of small steps." : ".", validate);
-    json_array_foreach(e->left_out, i, one)
+    json_array_foreach (e->left_out, i, one)
         fprintf(f, "\nLeft out: %s: %s.\n", json_string_value(json_object_get(one, "scene")),
                 json_string_value(json_object_get(one, "why")));
 }

@@ -16,8 +16,7 @@ iso_status iso_validate_refused_later(const iso_validation *v, iso_error *err)
 {
     size_t i;
     json_t *row;
-    json_array_foreach(json_object_get(iso_report_json(v->report), "agreement"), i, row)
-    {
+    json_array_foreach (json_object_get(iso_report_json(v->report), "agreement"), i, row) {
         if (iso_row_verdict(row) == ISO_VERDICT_REFUSED)
             return iso_fail(err, ISO_E_UNTRUSTED, "%s failed: %s", iso_row_text(row, "renderer"),
                             iso_row_text(row, "why"));
