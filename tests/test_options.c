@@ -12,7 +12,7 @@ typedef struct inner_options {
 typedef struct outer_options {
     const char *format;
     char *output, **added;
-    int flag, runs;
+    int flag, runs, seeds;
     long skip;
     long long seed;
     double step;
@@ -36,6 +36,7 @@ static const iso_option rows[] = {
     {"flag", 0, "a flag", NULL, ISO_IN(outer_options, flag)},
     ISO_OPTIONS_OF(outer_options, inner, inner_rows),
     {"runs", 0, NULL, "N", ISO_IN(outer_options, runs), .flags = ISO_NOT_ZERO, .describe = describe, .about = 7},
+    {"seeds", 0, "two at least", "N", ISO_IN(outer_options, seeds), .flags = ISO_NOT_ZERO, .least = 2, .most = 32},
     {"skip", 0, "bytes", "N", ISO_IN(outer_options, skip)},
     {"seed", 0, "a seed", "N", ISO_IN(outer_options, seed), .flags = ISO_SHOWN},
     {"step", 0, "a step", "X", ISO_IN(outer_options, step), .least = 0.5, .most = 4},
@@ -115,6 +116,7 @@ TEST(wrong_values_are_refused_with_their_limits)
         {{"--step", "nan"}, "--step is nan, must be 0.5 to 4"},
         {{"--step", "inf"}, "--step is inf, must be a finite number"},
         {{"--runs", "0"}, "--runs is 0, must be at least 1"},
+        {{"--seeds", "0"}, "--seeds is 0, must be 2 to 32"},
         {{"--seed", ""}, "--seed is empty, must be a number"},
         {{"--format", "sv"}, "--format is \"sv\", must be svg, pdf or png"},
         {{"--format", "svg|pdf"}, "--format is \"svg|pdf\", must be svg, pdf or png"},
@@ -139,7 +141,7 @@ TEST(nested_tables_are_spelled_out)
 {
     size_t count[2] = {0};
     iso_cli_visit_options(&command, count_option, count);
-    assert_int_equal(count[0], 10);
+    assert_int_equal(count[0], 11);
     assert_int_equal(count[1], 8);
 }
 

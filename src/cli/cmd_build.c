@@ -369,10 +369,8 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
  * reason. */
 static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
-    iso_command alone = *self;
-    alone.run_words = NULL;
     iso_status status = silence_others(err);
-    TRY(status, iso_command_run(&alone, argc, argv, err));
+    TRY(status, iso_command_parse_and_run(self, argc, argv, err));
     return iso_ranks_is_other() ? ISO_OK : status;
 }
 

@@ -525,20 +525,18 @@ typedef struct other_rank {
 static void run_other_rank(void *user, const char *folder)
 {
     const other_rank *r = user;
-    iso_error err;
+    iso_error err = {""}; /* of rank 0 alone a message is seen */
     rank_folder = folder;
-    iso_command_run(r->self, r->argc, r->argv, &err);
+    iso_command_parse_and_run(r->self, r->argc, r->argv, &err);
 }
 
 /* A rank other than 0 works in a child: if that dies, the job goes on, and the others draw its pictures. */
 static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const char **argv, iso_error *err)
 {
     const int index = iso_ranks_find_place().index;
-    iso_command alone = *self;
-    alone.run_words = NULL;
     if (index == 0)
-        return iso_command_run(&alone, argc, argv, err);
-    const int signal = iso_ranks_run_apart(run_other_rank, &(other_rank){&alone, argc, argv});
+        return iso_command_parse_and_run(self, argc, argv, err);
+    const int signal = iso_ranks_run_apart(run_other_rank, &(other_rank){self, argc, argv});
     if (signal != 0)
         fprintf(stderr, "isoshade validate: warning: rank %d died of signal %d; the others draw its pictures\n", index,
                 signal);

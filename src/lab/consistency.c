@@ -425,9 +425,7 @@ static iso_status run_part(const iso_command *self, int argc, const char **argv,
     for (int i = 1; i < argc; ++i)
         if (strcmp(argv[i], "--shading") == 0)
             return iso_command_run(&iso_lab_shading, argc, argv, err);
-    iso_command levels = *self;
-    levels.run_words = NULL;
-    return iso_command_run(&levels, argc, argv, err);
+    return iso_command_parse_and_run(self, argc, argv, err);
 }
 
 const iso_command iso_lab_consistency = {

@@ -50,9 +50,8 @@ static bool has_method(const iso_cli_adapted *a)
     return a->tf_2d || a->always || a->bits != iso_adapt_defaults().bits;
 }
 
-/* Largest share of opacity that is lost without a warning. At level 1 the volumes of tests/check_ghost.sh and six scans
- * lose at most 0.035, or at least 0.125: sheets thinner than a voxel. An extinction scale divides the RMSE of the
- * latter by 1.3 to 1.9. */
+/* Largest share of opacity that is lost without a warning. At level 1 seven scans and five synthetic volumes lost at most
+ * 0.035, or at least 0.125: sheets thinner than a voxel. tests/check_ghost.sh has one of each kind. */
 #define MOST_LOST 0.1
 
 /* Reports a ghost in one line: drawn, or left out. */

@@ -189,7 +189,9 @@ static iso_status check_number(const iso_option *o, const char *text, iso_error 
     if (!*text)
         return iso_fail(err, ISO_E_USAGE, "--%s is empty, must be a number", option);
     if ((o->flags & ISO_NOT_ZERO) && strtod(text, &end) == 0 && !*end)
-        return iso_fail(err, ISO_E_USAGE, "--%s is %s, must be at least 1", option, text);
+        return o->least > 1
+                   ? iso_fail(err, ISO_E_USAGE, "--%s is %s, must be %g to %g", option, text, o->least, o->most)
+                   : iso_fail(err, ISO_E_USAGE, "--%s is %s, must be at least 1", option, text);
     return isinf(strtod(text, NULL)) ? iso_fail(err, ISO_E_USAGE, "--%s is %s, must be a finite number", option, text)
                                      : ISO_OK;
 }
@@ -442,13 +444,11 @@ static iso_status parse(iso_cli *cli, all_options *all, bool *runs, iso_error *e
                : status;
 }
 
-iso_status iso_command_run(const iso_command *command, int argc, const char **argv, iso_error *err)
+iso_status iso_command_parse_and_run(const iso_command *command, int argc, const char **argv, iso_error *err)
 {
     iso_cli cli = {.argc = argc, .argv = argv, .command = command};
     all_options all;
     bool runs = false;
-    if (command->run_words)
-        return command->run_words(command, argc, argv, err);
     iso_status status = bind(command, &all, err);
     TRY(status, parse(&cli, &all, &runs, err));
     if (status == ISO_OK && runs)
@@ -459,6 +459,11 @@ iso_status iso_command_run(const iso_command *command, int argc, const char **ar
     json_decref(cli.given);
     unbind(&all);
     return status;
+}
+
+iso_status iso_command_run(const iso_command *command, int argc, const char **argv, iso_error *err)
+{
+    return (command->run_words ? command->run_words : iso_command_parse_and_run)(command, argc, argv, err);
 }
 
 iso_progress iso_cli_progress(const iso_cli *cli)

@@ -2,8 +2,9 @@
 /* cli.h - the command line: one table of commands, one file per command.
  *
  * iso_command_run() parses the arguments by the command's table of options (options/option.h) and by that of all
- * commands, such as --help (to stdout, exit 0), --json and --threads. Results go to stdout, messages and progress to stderr. A command returns a
- * status, which becomes the exit code; main() prints its error as "isoshade COMMAND: MESSAGE". */
+ * commands, such as --help (to stdout, exit 0), --json and --threads. Results go to stdout, messages and progress to
+ * stderr. A command returns a status, which becomes the exit code; main() prints its error as "isoshade COMMAND:
+ * MESSAGE". */
 #ifndef ISO_OPTIONS_CLI_H
 #define ISO_OPTIONS_CLI_H
 
@@ -37,7 +38,7 @@ typedef struct iso_command {
     const void *defaults;      /* such a struct; NULL: zeros */
     /* Runs with the parsed options: `options` points to the command's struct. */
     iso_status (*run)(const iso_cli *cli, void *options, iso_error *err);
-    /* Runs instead of all that with the words of the command line, which another command may parse; or NULL. */
+    /* Gets the words of the command line instead, for another command or iso_command_parse_and_run(); or NULL. */
     iso_status (*run_words)(const struct iso_command *self, int argc, const char **argv, iso_error *err);
 } iso_command;
 
@@ -72,8 +73,10 @@ struct iso_cli {
     json_t *given;               /* values of all options and arguments as texts, by name, with defaults */
 };
 
-/* Parses the words by the command's options and the common ones, and runs the command; --help is printed instead.
+/* Parses the words by the command's options and the common ones, and calls run(); --help is printed instead.
  * ISO_E_USAGE names the wrong option and its value, or the wrong number of positional arguments. */
+iso_status iso_command_parse_and_run(const iso_command *command, int argc, const char **argv, iso_error *err);
+/* Does the same, or calls run_words(). */
 iso_status iso_command_run(const iso_command *command, int argc, const char **argv, iso_error *err);
 
 /* Sets the program's name in messages, help, schemas and provenance ("isoshade"). */
