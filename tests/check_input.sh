@@ -110,7 +110,7 @@ for option in "render --page-side" "render --intervals" "render --planes" "rende
     "validate --levels" "validate --seeds" "validate --limit-size" "validate --level-views" "validate --level-size" \
     "scenes --size" "scenes --levels" "figure --levels" "figure --frames"; do
     name=${option//[ -]/_}
-    refuse "${name}_of_0" 2 "${option#* } is 0, must be at least 1" "$ISOSHADE" ${option% *} v.nrrd "${option#* }" 0 -o x.png
+    refuse "${name}_of_0" 2 "${option#* } is 0, must be " "$ISOSHADE" ${option% *} v.nrrd "${option#* }" 0 -o x.png
 done
 refuse page_side_of_0_in_one_word 2 '--page-side is 0, must be' "$ISOSHADE" render v.nrrd --page-side=0 -o x.png
 refuse plan_memory_of_0 2 '--memory is 0, must be 1 to 1e+15' "$ISOSHADE" plan v.nrrd --memory 0
