@@ -5,7 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 web=$top/tests/peers/web TMPDIR=$dir
 export TMPDIR
-check versions_are_pinned sh -c '! grep -E "\"(@kitware|@niivue|esbuild)[^:]*: \"[^0-9]" "$1"' - "$web/package.json"
+check versions_are_pinned sh -c '! grep -E "\"(@kitware|@niivue|axe-core|esbuild)[^:]*: \"[^0-9]" "$1"' - "$web/package.json"
 check the_lock_file_names_no_registry sh -c '! grep -q "\"resolved\"" "$1"' - "$web/package-lock.json"
 check the_lock_file_has_checksums grep -q '"integrity": "sha512-' "$web/package-lock.json"
 "$ISOSHADE" list --renderers "$web/renderers.json" >"$dir/list" 2>&1

@@ -41,7 +41,7 @@ function comparisons(row) {
         value(c, 'rmse'), value(c, 'max_abs')));
     const head = (name, i) => el('th', {scope: 'col', class: i ? 'n' : null}, name);
     const heads = el('thead', {}, el('tr', {}, ['worst of each kind', 'RMSE', 'max'].map(head)));
-    return lines.length === 0 ? '' : el('div', {class: 'scroll'}, el('table', {}, heads, el('tbody', {}, lines)));
+    return lines.length === 0 ? '' : scroller('worst of each kind', el('table', {}, heads, el('tbody', {}, lines)));
 }
 
 function failedCheck(c) {

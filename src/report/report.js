@@ -20,8 +20,10 @@ const caption = text => el('caption', {}, el('b', {}, `Table ${++tables}. `), te
 const figcaption = (...text) => el('figcaption', {}, el('b', {}, `Figure ${++figures}. `), ...text);
 
 const cell = (content, numeric, extra) => el('td', {class: [numeric ? 'n' : '', extra || ''].join(' ').trim() || null}, content);
+// A wide part scrolls by itself, with keys, too.
+const scroller = (name, ...parts) => el('div', {class: 'scroll', tabindex: 0, role: 'group', 'aria-label': name}, ...parts);
 function table(text, heads, rows) {
-    return el('div', {class: 'scroll'}, el('table', {}, caption(text),
+    return scroller(text, el('table', {}, caption(text),
         el('thead', {}, el('tr', {}, heads.map(([name, numeric]) => el('th', {class: numeric ? 'n' : null, scope: 'col'}, name)))),
         el('tbody', {}, rows)));
 }

@@ -30,7 +30,7 @@ const percent = x => x === Infinity ? '∞' : x < 0.01 ? '< 0.01' : plain(x);
 function askedTable(row) {
     const all = asked(row);
     if (all.length === 0) return [];
-    return [el('div', {class: 'scroll'}, el('table', {class: 'asked'}, el('thead', {}, el('tr', {}, ['figure', 'value', 'at most', 'of limit'].map((name, i) => el('th', {scope: 'col', class: i ? 'n' : null}, name)))),
+    return [scroller('figures and limits', el('table', {class: 'asked'}, el('thead', {}, el('tr', {}, ['figure', 'value', 'at most', 'of limit'].map((name, i) => el('th', {scope: 'col', class: i ? 'n' : null}, name)))),
         el('tbody', {}, all.map(x => el('tr', {}, cell(x.name), cell(number(x.value), true, x.held ? '' : 'differ'), cell(number(x.limit), true), cell(percent(x.ratio), true, x.held ? '' : 'differ'))))))];
 }
 // Signal of the reference, and the least that its limits need.

@@ -180,6 +180,11 @@ const makeSlices = (root, data, state, moved) => {
         });
         return row;
     };
+    const endMeasuring = () => {
+        state.measure = null;
+        panel();
+        moved();
+    };
     const panel = () => {
         const [lo, hi] = data.value_range, wide = hi - lo || 1, limits = {min: lo - wide, max: hi + wide, step: 'any'};
         const bound = (text, i) => slider(text, {...limits, value: Number(windowNow()[i].toPrecision(6))}, v => {
@@ -190,7 +195,8 @@ const makeSlices = (root, data, state, moved) => {
         const text = state.measure ? 'end measuring' : 'measure a length';
         const measure = element('button', {type: 'button', textContent: text});
         measure.addEventListener('click', () => {
-            Object.assign(state, {measure: state.measure ? null : [], slices: true});
+            if (state.measure) return endMeasuring();
+            Object.assign(state, {measure: [], slices: true});
             panel();
             moved();
         });
@@ -225,5 +231,11 @@ const makeSlices = (root, data, state, moved) => {
         state.slices = !state.slices;
         moved();
     };
-    return {draw, panel, shown};
+    // Ends the large slice, or else measuring.
+    const leave = () => {
+        const large = cells.find(c => c.root.classList.contains('large'));
+        if (large) large.root.classList.remove('large');
+        else if (state.measure) endMeasuring();
+    };
+    return {draw, panel, shown, leave};
 };

@@ -12,7 +12,8 @@ const start = async () => {
     const inAddress = () => new URLSearchParams(location.hash.slice(1));
     const showCompact = () => document.body.classList.toggle('compact', data.compact || inAddress().has('compact'));
     showCompact();
-    $('settings').onclick = () => $('settings').setAttribute('aria-expanded', document.body.classList.toggle('panel'));
+    const togglePanel = () => $('settings').setAttribute('aria-expanded', document.body.classList.toggle('panel'));
+    $('settings').onclick = togglePanel;
     // Levels come coarsest first; level 0's geometry is that of the volume even if its voxels are left out.
     data.geometry0 = data.geometry;
     if (data.plan) data.levels.push(levelOfPlan(data.plan, data.geometry0));
@@ -66,6 +67,15 @@ const start = async () => {
     });
     await readLevel(data.levels[0]);
     slices = makeSlices(canvas.closest('.frame'), data, state, () => { outline(); slices.draw(); noteSoon(); });
+    // Escape leaves one thing after the other, the topmost first; the keyboard goes back to where that was opened.
+    addEventListener('keydown', e => {
+        if (e.key !== 'Escape' || e.defaultPrevented) return;
+        if (!$('message').hidden) $('close-message').click();
+        else if (document.body.classList.contains('compact') && document.body.classList.contains('panel')) {
+            togglePanel();
+            $('settings').focus();
+        } else slices.leave();
+    });
     // Selects the finest level; until it is read, the finest one so far is drawn.
     state.level = state.b.level = data.levels[data.levels.length - 1].level;
     if (data.levels.length > 1) state.b.level = data.levels[data.levels.length - 2].level;
