@@ -25,6 +25,33 @@ ISOSHADE_BLENDER=/nonexistent/blender "$ISOSHADE" validate v.nrrd --scene "$scen
 [ $? = 7 ] && grep -q '"refused"' without/report.json && grep -q blender err.txt && ok "without Blender the rest is reported, with exit code 7" ||
     not_ok "without Blender the rest is reported, with exit code 7" "$(cat err.txt)"
 
+# Programs that are not installed and that nobody named are left out by name, with their packages; the verdict is of the others.
+mkdir nothing && ln -s "$(command -v gnuplot)" nothing/
+bare() { timeout 100 env PATH="$dir/nothing" "$ISOSHADE" "$@" 2>err.txt; }
+small=(v.nrrd --scene "$scenes/shells.scene.json" --size 12 -q)
+expect "a validation of all that are installed" 0 bare validate "${small[@]}" --quick --levels 1 -o bare
+cp out bare.txt
+check "is of these" grep -q '^The renderers agree: all [0-9]* comparisons are within their limits[.]$' bare.txt
+for row in cycles:blender:blender povray:povray:povray; do
+    IFS=: read -r name program package <<<"$row"
+    words="$name: $program: not found on PATH; install the Debian package $package"
+    check "$name is left out by its package" grep -q "^left out: $words" bare.txt
+    check "in the report too" python3 -c 'import json, sys
+assert f"{sys.argv[1]}: " + json.load(open("bare/report.json"))["left_out"][sys.argv[1]] in sys.argv[2], sys.argv' "$name" "$words, or set \$ISOSHADE_${program^^}"
+    check "and on its page" grep -q "\"$name\":\"$program: not found on PATH" bare/index.html
+    expect "$name is an error if it is named" 7 bare validate "${small[@]}" --quick --levels 1 --with gl,$name -o named
+    check "with its package" grep -q "install the Debian package $package" err.txt
+    refuse "and in a figure" 7 "install the Debian package $package" env PATH="$dir/nothing" "$ISOSHADE" figure v.nrrd --kind renderers --with $name -q -o named-figure
+done
+check "no stage is a gap because of it" python3 -c 'import json
+rows = json.load(open("bare/report.json"))["agreement"]
+found = {(r["verdict"], r["renderer"]) for r in rows}; assert found == {("agree", "gl")}, found'
+ISOSHADE_GL_DEVICE=none expect "without OpenGL the CPU ray caster takes its place" 0 bare validate "${small[@]}" --quick --levels 1 -o without-gl
+check "and OpenGL is left out by name" grep -q '^left out: gl: gl: no device "none"' out
+ISOSHADE_GL_DEVICE=none expect "in charts too" 0 bare chart "${small[@]}" --levels 1 --steps 1 --budget 2 -o charted
+check "whose settings are its" python3 -c 'import json
+chart = json.load(open("charted/chart.json"))
+assert set(chart["left_out"]) == {"gl", "cycles", "povray"} and {s["renderer"] for s in chart["cases"]} == {"cpu"}, chart["left_out"]'
 scene() { # name, sed expression on the shells scene
     sed "s|\"shells.tf.json\"|\"$scenes/shells.tf.json\"|; $2" "$scenes/shells.scene.json" >"$1"
 }

@@ -54,7 +54,9 @@ iso_status iso_process_find(const char *program, const char *debian_package, cha
     if (chosen && *chosen) {
         *path = NULL;
         if (access(chosen, X_OK) != 0 || iso_path_is_dir(chosen))
-            return iso_fail(err, ISO_E_MISSING, "%s: $%s names no executable file: %s", program, variable, chosen);
+            return iso_fail(err, ISO_E_MISSING,
+                            "%s: $%s names no executable file: %s; correct it, or install the Debian package %s",
+                            program, variable, chosen, debian_package);
         *path = strdup(chosen);
     } else {
         *path = search_path(program);

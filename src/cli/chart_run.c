@@ -58,10 +58,13 @@ static bool is_too_slow_to_begin(const chart_run *run, const iso_renderer_info *
                iso_chart_bench_estimate(&run->bench, &first);
 }
 
-/* Leaves out renderers that do not answer; one that --with names must answer. */
+/* Leaves out renderers that do not answer; one that --with names must answer. If none is left, the CPU ray caster takes
+ * their place. */
 static iso_status find_renderers(chart_run *run, iso_error *err)
 {
     iso_chart_result *result = &run->result;
+    const size_t usual = iso_renderer_index(iso_renderers_usual()),
+                 instead = iso_renderer_index(iso_renderers_instead());
     bool any = false;
     iso_status status = ISO_OK;
     for (size_t r = 0; r < iso_renderer_count() && status == ISO_OK; ++r) {
@@ -96,9 +99,14 @@ static iso_status find_renderers(chart_run *run, iso_error *err)
         }
         any = any || run->grid.with[r];
     }
+    if (status == ISO_OK && !any && run->grid.optional[usual]) {
+        any = run->grid.with[instead] = true;
+        status = iso_renderers_instead()->version(iso_renderers_instead(), &run->bench.renderers,
+                                                  result->versions[instead], sizeof result->versions[instead], err);
+    }
     if (status == ISO_OK && !any)
         return iso_fail(err, ISO_E_MISSING, "no renderer answers: %s",
-                        result->left_out[iso_renderer_index(iso_renderers_usual())]);
+                        result->left_out[usual]);
     return status;
 }
 

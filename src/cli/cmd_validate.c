@@ -272,6 +272,7 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
                         .input_options = input ? input : "",
                         .loaded = iso_pyramid_is_one(cli->arguments[0]),
                         .quick = a->quick,
+                        .may_lack = !a->with,
                         .scales = a->extinction_scale ? ISO_SCALES_ADAPTED : ISO_SCALES_NONE,
                         .seeds = iso_validate_seeds(a),
                         .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
@@ -381,6 +382,7 @@ static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli 
     iso_progress progress = iso_cli_progress(cli);
     char *line = iso_cli_command_line(cli);
     iso_validation v = {.quick = a->quick,
+                        .may_lack = !a->with,
                         .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
                         .threads = cli->threads,
                         .seeds = iso_validate_seeds(a),
@@ -563,7 +565,7 @@ const iso_command iso_command_validate = {
         "Exit code 0: all compared cases agree, and the levels hold; 1: something differs, or nothing was compared at all,\n"
         "in a scene, or of a renderer whose images in a scene show too little or were left out by the budget; 5: the scene\n"
         "shows less than .1 % of the voxels or of the picture, or a box whose faces are opaque to more than 98 % (--anyway);\n"
-        "7: a renderer is missing; 9: one failed its calibration.\n"
+        "7: a renderer that --with names is missing (others are left out by name); 9: one failed its calibration.\n"
         "Without --scene, and with --tf, --view or --zoom, the scene is written to DIR.scene.json, for commands in the\n"
         "report. A file of that name is replaced only if validate wrote it and it is unchanged (otherwise exit code 3).\n"
         "Under mpirun or srun, such as mpirun -n 4 isoshade validate VOLUME -o DIR, ranks share the pictures by DIR.work,\n"

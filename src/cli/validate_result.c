@@ -13,7 +13,7 @@ iso_status iso_cli_validate_verdict(const iso_validation *v, const iso_report_su
     if (v->foreign[0])
         return iso_fail(err, ISO_E_DIFFERS, "%s: %s", v->volume_path, v->foreign);
     for (size_t i = 0; i < iso_renderer_count(); ++i)
-        if (v->refused[i].status != ISO_OK)
+        if (v->refused[i].status != ISO_OK) /* of one that was left out it is ISO_OK */
             return iso_fail(err, v->refused[i].status, "%s %s", iso_renderer_at(i)->name, v->refused[i].why);
     if (summary->refused > 0) /* it answered at the start */
         return iso_validate_refused_later(v, err);
@@ -52,6 +52,15 @@ static void print_not_compared(const iso_report *r)
         printf("not compared: %zu more, listed in the report\n", count - most);
 }
 
+/* Prints the renderers that are not installed, and that nobody named. */
+static void print_left_out(const iso_report *r)
+{
+    const char *name;
+    json_t *why;
+    json_object_foreach (json_object_get(iso_report_json(r), "left_out"), name, why)
+        printf("left out: %s: %s\n", name, json_string_value(why));
+}
+
 /* Prints calibration checks that a renderer cannot do, with the consequence. */
 static void print_not_calibrated(const iso_report *r)
 {
@@ -83,6 +92,7 @@ void iso_cli_validate_print(const char *output, const iso_cli *cli, const iso_va
         if (levels->sentence[0])
             puts(levels->sentence);
         iso_cli_print_versions(iso_report_json(v->report));
+        print_left_out(v->report);
         print_not_calibrated(v->report);
         print_not_compared(v->report);
         print_assumed(v->report);

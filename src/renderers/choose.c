@@ -4,6 +4,11 @@
 #include "render/gl/raycaster.h"
 #include "renderers/renderers.h"
 
+const iso_renderer_info *iso_renderers_instead(void)
+{
+    return &iso_renderer_cpu;
+}
+
 void iso_renderers_choose(const iso_pyramid *p, const iso_view *view, iso_render_options *opt)
 {
     const iso_renderer_info *cpu = &iso_renderer_cpu;

@@ -3,11 +3,13 @@
 #include "renderers/renderers.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/order.h"
 #include "base/parallel.h"
+#include "base/warnings.h"
 #include "base/work.h"
 #include "renderers/picture_store.h"
 #include "renderers/request.h"
@@ -43,6 +45,22 @@ iso_render_options iso_render_defaults(const iso_renderer_info *r)
     iso_render_options opt = r->defaults;
     opt.renderer = r;
     return opt;
+}
+
+void iso_renderers_leave_out_missing(const char *list, bool wanted[ISO_MAX_RENDERERS])
+{
+    iso_renderers r = {0};
+    for (size_t i = 0; i < iso_renderer_count() && !list; ++i) {
+        char version[320], text[600];
+        iso_error why = {""};
+        const iso_renderer_info *which = iso_renderer_at(i);
+        if (!wanted[i] || which->version(which, &r, version, sizeof version, &why) != ISO_E_MISSING)
+            continue;
+        wanted[i] = false;
+        snprintf(text, sizeof text, "%s is left out: %.500s", which->name, why.text);
+        iso_warn(text);
+    }
+    iso_renderers_end(&r);
 }
 
 /* ---- steps ---- */

@@ -217,6 +217,8 @@ size_t iso_renderer_index(const iso_renderer_info *r);
 const iso_renderer_info *iso_renderers_reference(void);
 /* Returns the default renderer, which is the fastest. */
 const iso_renderer_info *iso_renderers_usual(void);
+/* Returns the renderer that takes the place of a default one that is missing: it needs no program or device. */
+const iso_renderer_info *iso_renderers_instead(void);
 /* Replaces the default renderer by the CPU ray caster if OpenGL is only available in software. The CPU ray caster
  * takes the same samples in less time. The options stay if it lacks a feature of the view or the options. */
 void iso_renderers_choose(const iso_pyramid *p, const iso_view *view, iso_render_options *opt);
@@ -230,6 +232,9 @@ iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r,
 /* Parses a list such as "gl,povray"; NULL: all that take part by default. Always included: the reference, renderers
  * of pictures, and other versions (`beside`) of an included program. */
 iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err);
+
+/* Clears `wanted` of renderers that are not installed, each with a warning, if no list names them. */
+void iso_renderers_leave_out_missing(const char *list, bool wanted[ISO_MAX_RENDERERS]);
 
 /* Joins the names of the renderers that have all these traits (0: all): "reference, gl and povray" with the
  * joins ", " and " and ". Returns text, cut at size. */

@@ -204,6 +204,18 @@ static void put_refusals(FILE *f, const json_t *agreement)
     json_decref(reasons);
 }
 
+/* Writes the renderers that are not installed, and that nobody named. */
+static void put_left_out(FILE *f, json_t *left_out)
+{
+    const char *name;
+    json_t *why;
+    json_object_foreach (left_out, name, why) {
+        fprintf(f, "\nLeft out: %s: ", name);
+        iso_markdown_put_text(f, json_string_value(why));
+        fputs("\n", f);
+    }
+}
+
 /* Writes the checks that were not made, by renderer. */
 static void put_not_calibrated(FILE *f, const json_t *calibration)
 {
@@ -257,6 +269,7 @@ static void put_report(FILE *f, const json_t *root)
     }
     put_failures(f, root);
     put_refusals(f, json_object_get(root, "agreement"));
+    put_left_out(f, json_object_get(root, "left_out"));
     put_not_calibrated(f, json_object_get(root, "calibration"));
     put_versions(f, json_object_get(root, "versions"));
 }

@@ -11,6 +11,7 @@ $('verdict').prepend(data.verdict === 'agree' ? '✓ ' : '✗ ');
     if (data.seconds.total) parts.push(`in ${Number(data.seconds.total.toPrecision(3))} s`);
     $('about').textContent = parts.join(', ') + '.';
     for (const [scene, asked] of Object.entries(data.asked || {}).filter(([, a]) => a.assumed)) $('about').after(el('p', {class: 'about assumed'}, `${scene}: ${asked.why}.`));
+    for (const [name, why] of Object.entries(data.left_out || {})) $('about').after(el('p', {class: 'about'}, `Left out: ${name}: ${why}`));
     if (data.command) $('again').append(command(data.command), el('p', {class: 'about'}, 'Run the commands of this page in the folder of this command. Without --full-paths they name files of absolute paths by their last names.'));
 }
 

@@ -377,15 +377,15 @@ static bool is_possible(const iso_validation *v)
     return v->refused[usual].status == ISO_OK && v->wanted[usual];
 }
 
-/* Reports why the views cannot be drawn. One level alone has nothing to be consistent with, so nothing is missing
- * then. */
+/* Reports why the views cannot be drawn. Nothing is missing if there is one level alone, or if the renderer was not asked
+ * for. */
 static iso_status not_possible(const iso_validation *v, iso_error *err)
 {
     const iso_renderer_info *usual = iso_renderers_usual();
+    const char *lacks = v->refused[iso_renderer_index(usual)].why;
     char why[700];
-    snprintf(why, sizeof why, "the views of all levels are drawn by %s: %s", usual->name,
-             v->wanted[iso_renderer_index(usual)] ? v->refused[iso_renderer_index(usual)].why : "it was not asked for");
-    return v->pyramid->level_count < 2 ? ISO_OK : iso_validate_stage_not_run(v, "consistency", why, err);
+    snprintf(why, sizeof why, "the views of all levels are drawn by %s: %s", usual->name, lacks);
+    return v->pyramid->level_count < 2 || !lacks[0] ? ISO_OK : iso_validate_stage_not_run(v, "consistency", why, err);
 }
 
 iso_status iso_validate_consistency(iso_validation *v, iso_error *err)

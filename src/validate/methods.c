@@ -146,15 +146,9 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
     return status;
 }
 
-static const char none_quick[] = "none of the renderers that were asked for takes part: with --quick directions and "
-                                 "transfer functions are compared by renderers of this process alone",
-                  none[] = "none of the renderers that were asked for takes part: programs compare directions and "
-                           "transfer functions at levels from 1 on";
-
 iso_status iso_validate_methods(iso_validation *v, iso_error *err)
 {
     iso_status status = ISO_OK;
-    const size_t before = iso_validate_row_count(v);
     for (size_t i = 0; i < iso_method_count && status == ISO_OK; ++i) {
         const iso_method *m = &iso_methods[i];
         iso_pyramid own = {0};
@@ -172,7 +166,5 @@ iso_status iso_validate_methods(iso_validation *v, iso_error *err)
             status = iso_validate_each(v, p->level_count, all_tfs, &(made_pyramid){m, p}, err);
         iso_pyramid_destroy(&own);
     }
-    if (status == ISO_OK && iso_validate_row_count(v) == before)
-        status = iso_validate_stage_not_run(v, "methods", v->quick ? none_quick : none, err);
     return status;
 }

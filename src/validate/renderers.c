@@ -12,6 +12,9 @@
 #include "validate/mistakes.h"
 #include "validate/validate.h"
 
+/* Start of the reason of a missing one. */
+#define MISSING "missing: "
+
 /* Results of one renderer. */
 typedef struct fitness {
     const iso_renderer_info *which;
@@ -36,7 +39,7 @@ typedef struct examination {
 static iso_status note_failure(fitness *f, iso_status status, const iso_error *why, iso_error *err)
 {
     if (status == ISO_E_MISSING) {
-        snprintf(f->why, sizeof f->why, "missing: %.500s", why->text);
+        snprintf(f->why, sizeof f->why, MISSING "%.500s", why->text);
         snprintf(f->version, sizeof f->version, "missing");
         f->check_count = 0;
     } else if (!iso_validate_is_its_fault(f->which, status)) {
@@ -59,6 +62,42 @@ static iso_status ask_version(iso_validation *v, size_t part, void *user, iso_er
     if (status == ISO_OK)
         iso_picture_store_set_version(v->renderers.store, f->which, f->version);
     return status == ISO_OK ? ISO_OK : note_failure(f, status, &why, err);
+}
+
+/* Leaves out the missing ones that nobody named. Returns whether the default renderer is among them. */
+static bool leave_out_missing(iso_validation *v, fitness *all, size_t *count)
+{
+    bool lacks_usual = false;
+    size_t kept = 0;
+    for (size_t i = 0; i < *count; ++i) {
+        const size_t place = iso_renderer_index(all[i].which);
+        if (!v->may_lack || all[i].failure != ISO_E_MISSING || iso_renderer_has(all[i].which, ISO_IS_OF_PICTURES)) {
+            all[kept++] = all[i];
+            continue;
+        }
+        v->wanted[place] = false;
+        snprintf(v->refused[place].why, sizeof v->refused[place].why, "%s", all[i].why);
+        iso_report_put(v->report, "left_out", all[i].which->name, json_string(all[i].why + strlen(MISSING)));
+        lacks_usual = lacks_usual || all[i].which == iso_renderers_usual();
+    }
+    *count = kept;
+    return lacks_usual;
+}
+
+/* Asks the wanted renderers for their versions. */
+static iso_status find_renderers(iso_validation *v, fitness *all, size_t *count, iso_error *err)
+{
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
+        if (v->wanted[i])
+            all[(*count)++] = (fitness){.which = iso_renderer_at(i)};
+    iso_status status = iso_validate_each(v, *count, ask_version, all, err);
+    const iso_renderer_info *instead = iso_renderers_instead();
+    if (status == ISO_OK && leave_out_missing(v, all, count) && !v->wanted[iso_renderer_index(instead)]) {
+        v->wanted[iso_renderer_index(instead)] = true;
+        all[*count] = (fitness){.which = instead};
+        status = ask_version(v, (*count)++, all, err);
+    }
+    return status;
 }
 
 /* True if the checks of a renderer run at the same time, each by a start of its own, because that ends sooner. */
@@ -196,13 +235,10 @@ iso_status iso_validate_renderers(iso_validation *v, iso_error *err)
 {
     fitness all[ISO_MAX_RENDERERS];
     size_t count = 0;
-    for (size_t i = 0; i < iso_renderer_count(); ++i)
-        if (v->wanted[i])
-            all[count++] = (fitness){.which = iso_renderer_at(i)};
+    iso_status status = find_renderers(v, all, &count, err);
     examination *list = calloc(count * ISO_CALIBRATION_COUNT + 1, sizeof *list);
     if (!list)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    iso_status status = iso_validate_each(v, count, ask_version, all, err);
     const size_t n = status == ISO_OK ? list_examinations(v, all, count, list) : 0;
     TRY(status, iso_validate_each(v, n, examine, list, err));
     TRY(status, sum_up(list, n, err));

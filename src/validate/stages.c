@@ -41,8 +41,3 @@ iso_status iso_validate_stage_left_out(const iso_validation *v, const char *stag
     iso_validate_explain_budget(v, why);
     return add_stage(v, stage, ISO_UNCOMPARED_BUDGET, why, err);
 }
-
-size_t iso_validate_row_count(const iso_validation *v)
-{
-    return json_array_size(json_object_get(iso_report_json(v->report), "agreement"));
-}

@@ -68,6 +68,7 @@ typedef struct iso_validation {
     size_t order;     /* in which the report lists the rows of this part */
     double row_start; /* start time of the row's comparison */
     bool wanted[ISO_MAX_RENDERERS];
+    bool may_lack; /* True if nobody named the renderers: missing ones are left out, with a remark */
     iso_refusal refused[ISO_MAX_RENDERERS];
     size_t limit_size; /* pixels along the longer edge of the pictures of limits, at most; 0: as many as the others have */
     size_t consistency_size, consistency_views;
@@ -85,8 +86,8 @@ typedef struct iso_validation {
 /* Adds a row of calibration per level, by the name of "pyramid". Without a loaded pyramid it adds none. */
 iso_status iso_validate_levels(iso_validation *v, iso_error *err);
 
-/* Reports versions and calibration of the wanted renderers; fills refusal and refused. A missing program is a reason to
- * refuse, not a failure. */
+/* Reports versions and calibration of the wanted renderers; fills refused. A missing one is refused, or left out by
+ * may_lack: its reason is in the report's "left_out". If that is the default one, the CPU ray caster takes its place. */
 iso_status iso_validate_renderers(iso_validation *v, iso_error *err);
 
 /* True if a program failed by itself, so that it is refused and the others go on. */
@@ -158,8 +159,6 @@ void iso_validate_report_asked(const iso_validation *v);
 iso_status iso_validate_stage_not_run(const iso_validation *v, const char *stage, const char *why, iso_error *err);
 /* Adds a row for a stage that the budget left out. */
 iso_status iso_validate_stage_left_out(const iso_validation *v, const char *stage, iso_error *err);
-/* Returns the number of rows of agreement so far. */
-size_t iso_validate_row_count(const iso_validation *v);
 
 /* Compares two versions of a program by their limits of a level: the row that shows what changed between them. */
 typedef struct iso_version_limit {
