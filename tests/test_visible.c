@@ -54,6 +54,29 @@ TEST(voxels_are_counted_from_the_threshold_on)
     assert_memory_equal(&v, &many, sizeof v);
 }
 
+/* Of 128^3 voxels every second row is sampled. A visible half is found so; what is at most 1 % is counted. */
+TEST(large_volumes_are_sampled_where_that_decides)
+{
+    enum { SIDE = 128, ALL = SIDE * SIDE * SIDE };
+    subject s;
+    set_up(&s, 10);
+    s.level.geometry = iso_geometry_axis_aligned((const size_t[]){SIDE, SIDE, SIDE}, (const double[]){1, 1, 1});
+    FREED float *values = calloc(ALL, sizeof *values);
+    assert_non_null(values);
+    s.level.scalar = values;
+    for (size_t i = 0; i < ALL / 2; ++i)
+        values[i] = 1;
+    assert_within(iso_visible_measure(&s.level, &s.view, NULL, 2).voxels, 0.5, 0.01);
+    memset(values, 0, ALL * sizeof *values);
+    for (size_t x = 0; x < SIDE; ++x)
+        values[x] = 1; /* the first row, which the sample has, is .006 % of the voxels */
+    assert_within(iso_visible_measure(&s.level, &s.view, NULL, 2).voxels, 1.0 / (SIDE * SIDE), 1e-15);
+    memset(values, 0, ALL * sizeof *values);
+    for (size_t i = 0; i < (size_t)8 * SIDE; ++i)
+        values[SIDE * SIDE / 2 + i] = 1;
+    assert_within(iso_visible_measure(&s.level, &s.view, NULL, 2).voxels, 8.0 / (SIDE * SIDE), 1e-15);
+}
+
 /* .1 % of 2000 voxels are two of them: one is complained of. */
 TEST(less_than_a_thousandth_is_complained_of)
 {

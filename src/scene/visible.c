@@ -41,16 +41,41 @@ static uint32_t counts_one(const void *seen, double value)
     return counts(seen, value);
 }
 
-static double visible_voxels(const iso_level *l, const threshold *seen, int threads)
+/* Counts the visible voxels of every `stride`-th row. */
+static double share_of_rows(const iso_level *l, const iso_value_table *seen, size_t stride, int threads)
 {
-    const size_t slice = l->geometry.size[0] * l->geometry.size[1], slices = l->geometry.size[2];
-    iso_value_table t = iso_value_table_create(l, counts_one, seen);
+    const size_t width = l->geometry.size[0], rows = l->geometry.size[1] * l->geometry.size[2];
+    const size_t taken = (rows + stride - 1) / stride;
     size_t count = 0;
 #pragma omp parallel for schedule(static) num_threads(iso_threads(threads)) reduction(+ : count)
-    for (size_t z = 0; z < slices; ++z)
-        count += iso_value_table_sum(&t, z * slice, slice);
+    for (size_t i = 0; i < taken; ++i)
+        count += iso_value_table_sum(seen, i * stride * width, width);
+    return (double)count / (double)(taken * width);
+}
+
+/* Returns the stride between rows that samples about ISO_VISIBLE_SAMPLE voxels. It is odd and no divisor of the rows of
+ * a slice, so that slices are sampled at different rows. */
+static size_t row_stride(const iso_geometry *g)
+{
+    size_t stride = iso_geometry_voxel_count(g) / ISO_VISIBLE_SAMPLE;
+    if (stride < 2)
+        return 1;
+    stride |= 1;
+    while (g->size[1] % stride == 0)
+        stride += 2;
+    return stride;
+}
+
+/* Counts all voxels only if a sample of them leaves doubt that enough of them are visible. */
+static double visible_voxels(const iso_level *l, const threshold *seen, int threads)
+{
+    iso_value_table t = iso_value_table_create(l, counts_one, seen);
+    const size_t stride = row_stride(&l->geometry);
+    double share = share_of_rows(l, &t, stride, threads);
+    if (stride > 1 && share < 10 * ISO_VISIBLE_LEAST)
+        share = share_of_rows(l, &t, 1, threads);
     iso_value_table_destroy(&t);
-    return (double)count / (double)(slice * slices);
+    return share;
 }
 
 /* Counts the opaque voxels of both faces across one axis; each voxel shows the same area. */

@@ -4,7 +4,8 @@
  * In:  level 0 of a pyramid and a resolved view.  Out: shares of 0 to 1, and a sentence if they indicate a fault.
  *
  *   voxels   Share of all voxels that could be visible: a box full of such a voxel, as long as the volume's longest
- *            side L, hides at least 1/255 of the light through it: 1 - exp(-sigma L) >= 1/255.
+ *            side L, hides at least 1/255 of the light through it: 1 - exp(-sigma L) >= 1/255. From a sample of the rows
+ *            of more than ISO_VISIBLE_SAMPLE voxels, unless it is near the limit ISO_VISIBLE_LEAST.
  *   faces    Share of the box's faces, by area, that hide the inside: a tenth of the box's mean side M of such a voxel
  *            hides 9/10: sigma M / 10 >= ln 10. 0 if clip planes open the box, and for volumes of fewer than 4 voxels
  *            along a side, which have no inside.
@@ -23,6 +24,7 @@
 /* With a smaller share of voxels or pixels a picture shows almost nothing; with a larger one of faces, only a box. */
 #define ISO_VISIBLE_LEAST 1e-3
 #define ISO_VISIBLE_MOST_FACES 0.98
+#define ISO_VISIBLE_SAMPLE ((size_t)1 << 20) /* voxels of the sample */
 
 typedef struct iso_visible {
     double voxels, faces, box, picture;
