@@ -439,7 +439,7 @@ TEST(the_camera_frames_what_is_visible)
             .points = points, .point_count = 3, .range = {90, 200}, .unit_distance = 1, .table_size = 256};
         OWNED(iso_tf_table) table;
         assert_ok(iso_tf_tabulate(&tf, 0, 1, &l.geometry, &table, &err));
-        assert_ok(iso_scene_frame_visible(&s, &l, &table, 1, &err));
+        assert_ok(iso_scene_frame_visible(&s, &l, &table, 1, NULL, &err));
         assert_int_equal(s.camera_fit, i != 0);
         if (i == 0) {
             const iso_geometry *g = &l.geometry;
@@ -448,9 +448,13 @@ TEST(the_camera_frames_what_is_visible)
             assert_true(iso_norm(off) < 1.5 * iso_geometry_mean_spacing_mm(g)); /* voxels that the ball holds in part */
             const double distance = iso_norm(iso_sub(s.camera_look_at, s.camera_position));
             assert_true(distance < 0.5 * iso_geometry_box_radius_mm(g) / sin(12.5 * acos(-1) / 180));
-            iso_scene threads = whole;
-            assert_ok(iso_scene_frame_visible(&threads, &l, &table, 3, &err));
+            iso_scene threads = whole, again = whole;
+            iso_scene_part kept = {0};
+            assert_ok(iso_scene_frame_visible(&threads, &l, &table, 3, &kept, &err));
             assert_memory_equal(&threads.camera_position, &s.camera_position, sizeof s.camera_position);
+            kept.hi[0] = kept.lo[0]; /* the kept part, now empty, is not searched for again */
+            assert_ok(iso_scene_frame_visible(&again, &l, &table, 3, &kept, &err));
+            assert_true(again.camera_fit);
         }
         free(l.scalar);
     }

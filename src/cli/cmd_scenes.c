@@ -40,6 +40,7 @@ typedef struct sheet {
     size_t tf_count, view_count;
     iso_pyramid pyramid;
     iso_survey *survey;
+    iso_scene_part visible; /* of the current transfer function */
     iso_renderers renderers;
     iso_contact_sheet pictures;
     json_t *left_out;
@@ -136,7 +137,7 @@ static char *command_of(const sheet *s, size_t tf, size_t view, size_t level)
     return text;
 }
 
-static iso_status view_of(const sheet *s, size_t tf, size_t view, iso_view *out, iso_error *err)
+static iso_status view_of(sheet *s, size_t tf, size_t view, iso_view *out, iso_error *err)
 {
     char size[16];
     iso_subject_look look;
@@ -144,6 +145,7 @@ static iso_status view_of(const sheet *s, size_t tf, size_t view, iso_view *out,
     *out = (iso_view){0};
     const iso_status status = iso_cli_look_take(&asked, s->arguments->cli->threads, &look, err);
     look.survey = s->survey;
+    look.visible = &s->visible;
     return status == ISO_OK ? iso_subject_make_view(&look, &s->pyramid, out, err) : status;
 }
 
@@ -191,6 +193,7 @@ static iso_status draw_tf(sheet *s, size_t tf, iso_error *err)
 {
     char why[1024];
     iso_status status = ISO_OK;
+    s->visible = (iso_scene_part){0};
     for (size_t i = 0; i < s->view_count && status == ISO_OK; ++i) {
         iso_view view;
         status = view_of(s, tf, i, &view, err);

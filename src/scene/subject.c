@@ -41,9 +41,10 @@ iso_status iso_subject_begin_pyramid(const char *path, const iso_volume_input *i
 
 iso_status iso_subject_refuse_labels(const iso_pyramid *p, const char *path, const char *what, iso_error *err)
 {
-    return p->levels[0].labels ? iso_fail(err, ISO_E_USAGE,
-                                          "%s: is a label map, which %s would interpolate; --no-labels allows it", path, what)
-                               : ISO_OK;
+    return p->levels[0].labels
+               ? iso_fail(err, ISO_E_USAGE, "%s: is a label map, which %s would interpolate; --no-labels allows it",
+                          path, what)
+               : ISO_OK;
 }
 
 iso_status iso_subject_parse_image_size(const char *text, size_t *width, size_t *height, iso_error *err)
@@ -118,7 +119,7 @@ static iso_status frame_visible(const iso_subject_look *look, const iso_pyramid 
     iso_tf_table table = {0};
     iso_status status = iso_tf_tabulate(&scene->tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &level0->geometry, &table,
                                         err);
-    TRY(status, iso_scene_frame_visible(scene, level0, &table, look->threads, err));
+    TRY(status, iso_scene_frame_visible(scene, level0, &table, look->threads, look->visible, err));
     iso_tf_table_destroy(&table);
     return status;
 }

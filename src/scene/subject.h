@@ -6,6 +6,7 @@
 #include "volume/input.h"
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
+#include "scene/viewpoint.h"
 #include "tf/survey.h"
 
 /* Pixels of a first picture along each side. */
@@ -31,6 +32,7 @@ typedef struct iso_subject_look {
     int threads;
     bool frames_box; /* True if the camera frames the box instead of its visible part, which may change in a series */
     const iso_survey *survey; /* of the volume if already made, or NULL */
+    iso_scene_part *visible;  /* with one volume and TF: kept between views, starts as {0}; or NULL */
 } iso_subject_look;
 
 /* True if the transfer function depends on the volume's values: a preset or a suggested one. */

@@ -81,12 +81,7 @@ const char *iso_viewpoint_usual(const iso_geometry *g)
     return g->is_patient ? "front" : "iso";
 }
 
-/* A box in index coordinates. */
-typedef struct part {
-    double lo[3], hi[3];
-} part;
-
-static iso_vec3 center_of(const part *p, const iso_geometry *g)
+static iso_vec3 center_of(const iso_scene_part *p, const iso_geometry *g)
 {
     return iso_geometry_to_world(g, iso_v3((p->lo[0] + p->hi[0]) / 2, (p->lo[1] + p->hi[1]) / 2,
                                            (p->lo[2] + p->hi[2]) / 2));
@@ -98,7 +93,7 @@ static double half_angle(const iso_scene *s)
 }
 
 /* Returns the distance from the part's center at which its corners just fit, with a margin of a twentieth. */
-static double distance_for(const iso_scene *s, const iso_geometry *g, const part *p)
+static double distance_for(const iso_scene *s, const iso_geometry *g, const iso_scene_part *p)
 {
     const iso_vec3 right = iso_normalize(iso_cross(s->camera_direction, s->camera_up)),
                    up = iso_cross(right, s->camera_direction), center = center_of(p, g);
@@ -115,16 +110,16 @@ static double distance_for(const iso_scene *s, const iso_geometry *g, const part
     return distance;
 }
 
-static part whole_box(const iso_geometry *g)
+static iso_scene_part whole_box(const iso_geometry *g)
 {
-    return (part){.hi = {g->box_index[0], g->box_index[1], g->box_index[2]}};
+    return (iso_scene_part){.hi = {g->box_index[0], g->box_index[1], g->box_index[2]}};
 }
 
 /* Returns the margin of a fitted camera with which the box's corners just fit. Without it the camera frames the sphere
  * around the box, and a cube fills only .58 of the picture. */
 static double margin_for_corners(const iso_scene *s, const iso_geometry *g)
 {
-    const part box = whole_box(g);
+    const iso_scene_part box = whole_box(g);
     return distance_for(s, g, &box) * sin(half_angle(s)) / iso_geometry_box_radius_mm(g) *
            fmin(1, (double)s->width / (double)s->height);
 }
@@ -190,8 +185,11 @@ static void trim(const uint64_t *planes, size_t count, double range[2])
 }
 
 /* Finds the visible part; it is empty if nothing is visible. ISO_E_MEMORY. */
-static iso_status find_visible(const iso_level *l, const iso_tf_table *tf, int threads, part *p, iso_error *err)
+static iso_status find_visible(const iso_level *l, const iso_tf_table *tf, int threads, iso_scene_part *p,
+                               iso_error *err)
 {
+    if (p->is_known)
+        return ISO_OK;
     const size_t *n = l->geometry.size;
     uint64_t *sums = calloc(n[2] * (n[0] + n[1]) + n[0] + n[1] + n[2], sizeof *sums);
     if (!sums)
@@ -215,24 +213,25 @@ static iso_status find_visible(const iso_level *l, const iso_tf_table *tf, int t
         p->lo[a] = range[1] > range[0] ? fmax(range[0] - around, 0) : 0;
         p->hi[a] = range[1] > range[0] ? fmin(range[1] + around, l->geometry.box_index[a]) : 0;
     }
+    p->is_known = true;
     free(sums);
     return ISO_OK;
 }
 
 iso_status iso_scene_frame_visible(iso_scene *s, const iso_level *level0, const iso_tf_table *tf, int threads,
-                                   iso_error *err)
+                                   iso_scene_part *kept, iso_error *err)
 {
     const iso_geometry *g = &level0->geometry;
-    const part box = whole_box(g);
-    part visible;
-    const iso_status status = find_visible(level0, tf, threads, &visible, err);
-    if (status != ISO_OK || !(visible.hi[0] > visible.lo[0]))
+    const iso_scene_part box = whole_box(g);
+    iso_scene_part own = {0}, *visible = kept ? kept : &own;
+    const iso_status status = find_visible(level0, tf, threads, visible, err);
+    if (status != ISO_OK || !(visible->hi[0] > visible->lo[0]))
         return status;
-    const double distance = distance_for(s, g, &visible);
+    const double distance = distance_for(s, g, visible);
     if (distance >= ISO_FRAME_VISIBLE_BELOW * distance_for(s, g, &box))
         return ISO_OK;
     s->camera_fit = false;
-    s->camera_look_at = center_of(&visible, g);
+    s->camera_look_at = center_of(visible, g);
     s->camera_position = iso_madd(s->camera_look_at, s->camera_direction, -distance);
     return ISO_OK;
 }

@@ -29,10 +29,15 @@ const char *iso_viewpoint_usual(const iso_geometry *g);
 iso_scene iso_scene_first(const iso_geometry *level0, const iso_viewpoint *viewpoint, size_t width, size_t height);
 /* The camera moves closer if the visible part needs at most this fraction of the distance for the box. */
 #define ISO_FRAME_VISIBLE_BELOW 0.7
+/* A box in index coordinates of level 0. */
+typedef struct iso_scene_part {
+    double lo[3], hi[3];
+    bool is_known; /* False: not found yet */
+} iso_scene_part;
 /* Frames the visible part of level 0, without the planes at each end of an axis that hold a thousandth of all opacity.
- * For a first picture's camera. ISO_E_MEMORY. */
+ * For a first picture's camera. visible: kept between the views of one TF, which starts as {0}; or NULL. ISO_E_MEMORY. */
 iso_status iso_scene_frame_visible(iso_scene *scene, const iso_level *level0, const iso_tf_table *tf, int threads,
-                                   iso_error *err);
+                                   iso_scene_part *visible, iso_error *err);
 /* Replaces the camera of a scene by one from this viewpoint, which frames the box of `level0`. */
 void iso_scene_look_from(iso_scene *scene, const iso_geometry *level0, const iso_viewpoint *viewpoint);
 
