@@ -155,7 +155,7 @@ static void assert_empty_along_x(const iso_pyramid *p, size_t level, const iso_t
     const size_t *n = p->levels[level].geometry.size;
     assert_ok(iso_ghost_mask(&p->levels[0], &p->levels[level], level, tf, 2, &empty, &err));
     for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i)
-        assert_int_equal(empty[i], wanted >> (i % n[0]) & 1);
+        assert_int_equal(empty[i] != 0, wanted >> (i % n[0]) & 1);
 }
 
 TEST(what_is_empty_is_known)
@@ -205,9 +205,38 @@ TEST(what_is_empty_is_so_along_all_axes_and_at_odd_ends)
         const size_t *n = p.levels[level].geometry.size;
         assert_ok(iso_ghost_mask(&p.levels[0], &p.levels[level], level, &high, 3, &empty, &err));
         for (size_t i = 0; i < n[0] * n[1] * n[2]; ++i)
-            assert_int_equal(empty[i],
+            assert_int_equal(empty[i] != 0,
                              !has_one(&p.levels[0], level, (size_t[]){i % n[0], i / n[0] % n[1], i / n[0] / n[1]}));
     }
+}
+
+/* Level 0 is not sampled in clear voxels; faint ones are empty, but not clear. */
+TEST(clear_voxels_change_no_view)
+{
+    enum { FEW = 100 };
+    OWNED(iso_pyramid) p = pyramid_of(N, head, 2);
+    OWNED(iso_tf_table) tf = band(0.6, 2);
+    FREED uint8_t *empty;
+    for (size_t i = 0; i <= 10; ++i)
+        tf.entries[4 * i + 3] = 1e-5F; /* the air is faint */
+    assert_ok(iso_ghost_mask(&p.levels[0], &p.levels[1], 1, &tf, 2, &empty, &err));
+    iso_small_views_input in = {
+        .fine = &p.levels[0], .coarse = &p.levels[1], .level = 1, .original = &tf, .tfs = {&tf}, .tf_count = 1};
+    iso_small_views_error without[ISO_SMALL_VIEWS_MAX_TFS], with[ISO_SMALL_VIEWS_MAX_TFS];
+    assert_ok(iso_small_views_compare(&in, without, &err));
+    size_t count[3] = {0};
+    const size_t all = iso_geometry_voxel_count(&p.levels[1].geometry);
+    for (size_t i = 0; i < all; ++i)
+        ++count[empty[i]];
+    assert_true(count[0] > FEW && count[ISO_GHOST_EMPTY] > FEW && count[ISO_GHOST_CLEAR] > FEW);
+    in.empty = empty;
+    assert_ok(iso_small_views_compare(&in, with, &err));
+    assert_memory_equal(with[0].of_view, without[0].of_view, sizeof with[0].of_view);
+    assert_true(with[0].rmse == without[0].rmse);
+    memset(empty, ISO_GHOST_CLEAR, all); /* a wrong mask is seen */
+    assert_ok(iso_small_views_compare(&in, with, &err));
+    assert_true(memcmp(with[0].of_view, without[0].of_view, sizeof with[0].of_view) != 0 &&
+                with[0].rmse != without[0].rmse);
 }
 
 TEST(threads_change_no_entry)

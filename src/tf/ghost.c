@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "tf/ghost.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,10 +12,9 @@ enum { ROUNDS = 4 };
 
 /* ---- voxels that are empty in level 0 ---------------------------------------------------------------------------- */
 
-/* Returns for each entry the number of visible entries before it. NULL: no memory. */
-static uint32_t *count_shown(const iso_tf_table *tf, double length_mm)
+/* Returns for each entry the number of entries before it with at least this extinction. NULL: no memory. */
+static uint32_t *count_shown(const iso_tf_table *tf, double least)
 {
-    const double least = -log1p(-ISO_GHOST_TRANSPARENT) / length_mm;
     uint32_t *below = calloc(tf->count + 1, sizeof *below);
     for (size_t i = 0; below && i < tf->count; ++i)
         below[i + 1] = below[i] + ((double)tf->entries[4 * i + 3] >= least);
@@ -27,7 +27,7 @@ static double entry_of(const iso_tf_table *tf, double value)
     return x > 0 ? (x < last ? x : last) : 0;
 }
 
-/* True if any value in [min, max] is visible: one of the entries around it is. */
+/* True if any value in [min, max] is counted by `below`: one of the entries around it is. */
 static bool shows(const iso_tf_table *tf, const uint32_t *below, double min, double max)
 {
     const size_t first = (size_t)entry_of(tf, min), end = (size_t)ceil(entry_of(tf, max)) + 1;
@@ -68,10 +68,16 @@ static void range_of_rows(const iso_level *fine, size_t level, size_t y, size_t 
             widen(fine->scalar + n[0] * (j + n[1] * k), n[0], min, max);
 }
 
+/* A transfer function's entries that show something, and those that are visible: count_shown(). */
+typedef struct counted {
+    const iso_tf_table *tf;
+    uint32_t *shown, *visible;
+} counted;
+
 /* Sets empty[]. rows: space for two rows of level 0 per thread. The boxes of fine voxels overlap, so that each voxel is
  * in eight of them: their ranges are joined along y and z for whole rows, which vectorizes, and then along x. */
-static void mark_empty(const iso_level *fine, const iso_geometry *coarse, size_t level, const iso_tf_table *tf,
-                       const uint32_t *below, int threads, float *rows, uint8_t *empty)
+static void mark_empty(const iso_level *fine, const iso_geometry *coarse, size_t level, const counted *c, int threads,
+                       float *rows, uint8_t *empty)
 {
     const size_t *n = coarse->size, width = fine->geometry.size[0];
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
@@ -86,7 +92,9 @@ static void mark_empty(const iso_level *fine, const iso_geometry *coarse, size_t
                     lo = min[i] < lo ? min[i] : lo;
                     hi = max[i] > hi ? max[i] : hi;
                 }
-                empty[x + n[0] * (y + n[1] * z)] = !shows(tf, below, (double)lo, (double)hi);
+                empty[x + n[0] * (y + n[1] * z)] = shows(c->tf, c->visible, (double)lo, (double)hi) ? 0
+                                                   : shows(c->tf, c->shown, (double)lo, (double)hi) ? ISO_GHOST_EMPTY
+                                                                                                    : ISO_GHOST_CLEAR;
             }
         }
 }
@@ -95,18 +103,20 @@ iso_status iso_ghost_mask(const iso_level *fine, const iso_level *coarse, size_t
                           int threads, uint8_t **empty, iso_error *err)
 {
     const int thread_count = iso_threads(threads);
-    uint32_t *below = count_shown(original, iso_geometry_min_spacing_mm(&fine->geometry));
+    const double visible = -log1p(-ISO_GHOST_TRANSPARENT) / iso_geometry_min_spacing_mm(&fine->geometry);
+    const counted c = {original, count_shown(original, DBL_TRUE_MIN), count_shown(original, visible)};
     float *rows = malloc(2 * fine->geometry.size[0] * (size_t)thread_count * sizeof *rows);
     *empty = malloc(iso_geometry_voxel_count(&coarse->geometry));
-    const bool is_made = below && rows && *empty;
+    const bool is_made = c.shown && c.visible && rows && *empty;
     if (is_made) {
-        mark_empty(fine, &coarse->geometry, level, original, below, thread_count, rows, *empty);
+        mark_empty(fine, &coarse->geometry, level, &c, thread_count, rows, *empty);
     } else {
         free(*empty);
         *empty = NULL;
     }
     free(rows);
-    free(below);
+    free(c.shown);
+    free(c.visible);
     return is_made ? ISO_OK
                    : iso_fail(err, ISO_E_MEMORY, "ghost: no memory for one byte per voxel of level %zu", level);
 }

@@ -29,7 +29,7 @@
 /* Share of ghost from which on an entry is reset; entries of surfaces have none. */
 #define ISO_GHOST_SHARE 0.05
 
-/* Sets *empty: one byte per voxel of coarse, 1 or 0, to be freed. Both levels need scalars; level: halvings between
+/* Sets *empty: one byte per voxel of coarse, 0 or as in small_views.h, to be freed. Both levels need scalars; level: halvings between
  * them. ISO_E_MEMORY. */
 iso_status iso_ghost_mask(const iso_level *fine, const iso_level *coarse, size_t level, const iso_tf_table *original,
                           int threads, uint8_t **empty, iso_error *err);

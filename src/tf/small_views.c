@@ -149,9 +149,11 @@ static void look_up(const iso_small_views_input *in, size_t i, const place *p, d
         rgbs[3] *= exp2(sample(in->octaves[i], p));
 }
 
-/* True if level 0 shows nothing in the coarse voxel that holds the index. */
-static bool is_empty(const iso_small_views_input *in, const double index[3])
+/* Returns the mask's byte of the coarse voxel that holds the index; 0 without a mask. */
+static uint8_t emptiness(const iso_small_views_input *in, const double index[3])
 {
+    if (!in->empty)
+        return 0;
     size_t i[3];
     for (int a = 0; a < 3; ++a) {
         const size_t n = in->coarse->geometry.size[a];
@@ -187,11 +189,14 @@ static void note_rows(const iso_tf_table *tf, const iso_small_views_rows *rows, 
 /* Computes a pixel of level 0: premultiplied color and transmittance. */
 static void march_fine(const iso_small_views_input *in, const small_camera *c, iso_vec3 from, double pixel[4])
 {
+    const double scale = ldexp(1, -(int)in->level);
     double rgbs[4];
     long first, last;
     clip_to_box(c, &in->fine->geometry, from, &first, &last);
     for (long k = first; k <= last && pixel[3] > OPAQUE; ++k) {
         const iso_vec3 p = iso_madd(from, c->direction, (double)k);
+        if (emptiness(in, (double[]){scale * p.x, scale * p.y, scale * p.z}) == ISO_GHOST_CLEAR)
+            continue;
         const place at = find_place(&in->fine->geometry, (double[]){p.x, p.y, p.z});
         iso_tf_lookup(in->original, sample(in->fine->scalar, &at), rgbs);
         add_step(rgbs, c->step_mm, pixel);
@@ -216,7 +221,7 @@ static void march_coarse(const iso_small_views_input *in, const small_camera *c,
             break;
         const place at = find_place(&in->coarse->geometry, coarse_index);
         const double value = sample(in->coarse->scalar, &at);
-        const bool empty = in->empty && is_empty(in, coarse_index);
+        const bool empty = emptiness(in, coarse_index) != 0;
         for (size_t i = 0; i < in->tf_count; ++i) {
             look_up(in, i, &at, value, rgbs);
             const double seen = add_step(rgbs, c->step_mm, pixels[i]);

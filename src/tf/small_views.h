@@ -43,6 +43,9 @@ typedef struct iso_small_views_fine {
 } iso_small_views_fine;
 void iso_small_views_fine_destroy(iso_small_views_fine *fine);
 
+/* A voxel of a mask: level 0 shows nothing visible there, or nothing at all, so that its samples need no reading. */
+enum { ISO_GHOST_EMPTY = 1, ISO_GHOST_CLEAR = 2 };
+
 /* Input: `coarse` through each of `tfs` is compared with level 0 through `original`. */
 typedef struct iso_small_views_input {
     const iso_level *fine, *coarse; /* with their scalars */
@@ -52,7 +55,7 @@ typedef struct iso_small_views_input {
     const iso_tf_2d *tfs_2d[ISO_SMALL_VIEWS_MAX_TFS]; /* instead of the one above, or NULL */
     const float *octaves[ISO_SMALL_VIEWS_MAX_TFS];    /* log2 of each coarse voxel's extinction scale, or NULL */
     size_t tf_count;
-    const uint8_t *empty;             /* mask of the coarse voxels that are empty in level 0 (tf/ghost.h), or NULL */
+    const uint8_t *empty;             /* mask of the coarse voxels (tf/ghost.h), or NULL */
     const iso_small_views_rows *rows; /* output for the last of `tfs`, needs `empty`; or NULL */
     iso_small_views_fine *kept;       /* views of this `fine` and `original`; or NULL */
     int threads;
