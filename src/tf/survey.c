@@ -46,7 +46,7 @@ static float *sort_floats(float *values, float *spare, size_t count)
     const uint32_t sign = 0x80000000u;
     for (int shift = 0; shift < 32; shift += BITS) {
         size_t start[DIGITS] = {0}, sum = 0;
-#define KEY(bits) ((((bits) & sign ? ~(bits) : (bits) | sign) >> shift) % DIGITS)
+#define KEY(bits) ((((bits)&sign ? ~(bits) : (bits) | sign) >> shift) % DIGITS)
         for (size_t i = 0; i < count; ++i) {
             uint32_t bits;
             memcpy(&bits, values + i, sizeof bits);
@@ -211,7 +211,7 @@ typedef struct neighbors {
 typedef struct segment {
     const iso_level *level;
     size_t first, count;
-    size_t ends[2];       /* of neighbors in the row: 0 at a border, otherwise 1 */
+    size_t ends[2];        /* of neighbors in the row: 0 at a border, otherwise 1 */
     size_t rows[ROWS - 1]; /* first neighbors along y and z; `first` at a border */
 } segment;
 
@@ -258,15 +258,6 @@ static neighbors read_segment(const segment *s, float buffer[ROWS][BLOCK + 2])
 static bool is_left_out(const iso_survey *s, float value)
 {
     return iso_is_no_data(value) || (s->has_padding && (double)value == s->padding);
-}
-
-/* True if a neighbor is left out: the difference to it is no gradient. */
-static bool is_beside_left_out(const iso_survey *s, const neighbors *v, size_t i)
-{
-    for (int a = 0; a < 3; ++a)
-        if (is_left_out(s, v->side[a][0][i]) || is_left_out(s, v->side[a][1][i]))
-            return true;
-    return false;
 }
 
 /* Computes iso_survey_bin() of each voxel. */
@@ -333,18 +324,21 @@ ISO_SIMD static void place_slopes(const neighbors *v, const float scale[3], floa
     }
 }
 
-/* True if any of the voxels or their neighbors has no data or the padding's value. */
-ISO_SIMD static bool has_left_out(const neighbors *v, float padding)
+/* Marks voxels without data or with the padding's value: 1; and those beside one, whose difference to it is no
+ * gradient: 2. Returns whether there are any. */
+ISO_SIMD static bool mark_gaps(const neighbors *v, float padding, int *restrict gap)
 {
     int found = 0;
+    for (size_t i = 0; i < v->count; ++i)
+        gap[i] = (v->at[i] == ISO_NO_DATA) | (v->at[i] == padding);
     for (int a = 0; a < 3; ++a)
         for (int k = 0; k < 2; ++k) {
             const float *restrict side = v->side[a][k];
             for (size_t i = 0; i < v->count; ++i)
-                found |= (side[i] == ISO_NO_DATA) | (side[i] == padding);
+                gap[i] |= ((side[i] == ISO_NO_DATA) | (side[i] == padding)) << 1;
         }
     for (size_t i = 0; i < v->count; ++i)
-        found |= (v->at[i] == ISO_NO_DATA) | (v->at[i] == padding);
+        found |= gap[i];
     return found;
 }
 
@@ -352,7 +346,7 @@ ISO_SIMD static bool has_left_out(const neighbors *v, float padding)
 typedef struct bin_scales {
     double slope[3], largest; /* 1 / (2 h); the magnitude of the last bin's end */
     float slope_fast[3], value_fast;
-    bool is_fast;             /* floats hold them */
+    bool is_fast; /* floats hold them */
 } bin_scales;
 
 static bin_scales find_scales(const iso_geometry *g, const iso_survey *s)
@@ -372,15 +366,16 @@ static bin_scales find_scales(const iso_geometry *g, const iso_survey *s)
 }
 
 /* Counts voxels with gaps among them or next to them, those next to a gap without their magnitude. */
-static void count_with_gaps(const neighbors *v, bool face, const int *values, const int *slopes, iso_survey *s)
+static void count_with_gaps(const neighbors *v, const int *gap, bool face, const int *values, const int *slopes,
+                            iso_survey *s)
 {
     for (size_t i = 0; i < v->count; ++i) {
-        if (iso_is_no_data(v->at[i]))
-            s->face_padding += face;
-        if (is_left_out(s, v->at[i]))
+        if (gap[i] & 1) {
+            s->face_padding += face && iso_is_no_data(v->at[i]);
             continue;
+        }
         s->face[values[i]] += face;
-        if (is_beside_left_out(s, v, i))
+        if (gap[i])
             ++s->count[values[i]];
         else
             ++s->joint[values[i]][slopes[i]];
@@ -400,7 +395,7 @@ static void count_flat(float value, size_t count, bool face, iso_survey *s)
 
 static void count_block(const neighbors *v, bool face, const bin_scales *b, iso_survey *s)
 {
-    int values[BLOCK], slopes[BLOCK];
+    int values[BLOCK], slopes[BLOCK], gap[BLOCK];
     float places[BLOCK];
     place_values(v->at, v->count, (float)s->lo, b->value_fast, places);
     if (!b->is_fast || !take_bins(places, v->count, values))
@@ -408,8 +403,8 @@ static void count_block(const neighbors *v, bool face, const bin_scales *b, iso_
     place_slopes(v, b->slope_fast, places);
     if (!b->is_fast || !take_bins(places, v->count, slopes))
         bin_slopes(v, b->slope, b->largest, slopes);
-    if ((s->has_padding || s->has_no_data) && has_left_out(v, s->has_padding ? (float)s->padding : ISO_NO_DATA)) {
-        count_with_gaps(v, face, values, slopes, s);
+    if ((s->has_padding || s->has_no_data) && mark_gaps(v, s->has_padding ? (float)s->padding : ISO_NO_DATA, gap)) {
+        count_with_gaps(v, gap, face, values, slopes, s);
         return;
     }
     for (size_t i = 0; i < v->count; ++i)
