@@ -8,7 +8,7 @@ scene=$top/refscenes/marschner-lobb.scene.json
 "$ISOSHADE" make marschner-lobb --size 14x12x11 -q -o v.nrrd
 cp "$top/doc/guide/numpy_renderer.py" right.py
 # The planted fault: a picture in sRGB.
-sed 's/^def write_exr(name, rgba):.*/&\n    rgba = display(rgba)/' right.py >gamma.py
+sed 's/picture.astype/display(picture).astype/' right.py >gamma.py
 sed -i '/^import numpy/r /dev/stdin' gamma.py <<'END'
 
 def display(rgba):

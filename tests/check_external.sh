@@ -13,7 +13,7 @@ cp "$top/doc/guide/numpy_renderer.py" .
 sed "s|\"python3\", \"numpy|\"$python\", \"numpy|" "$top/doc/guide/renderers.json" >renderers.json
 shown() { awk '/^```json$/ {on = 1; next} /^```/ {on = 0} on' "$top/doc/guide/judging-a-renderer.md"; }
 check the_page_shows_the_file diff <(shown) "$top/doc/guide/renderers.json"
-holds the_example_is_short "$(grep -c . numpy_renderer.py) <= 68"
+holds the_example_is_short "$(grep -c . numpy_renderer.py) <= 56"
 flatten() { # report: REPORT.txt has a line "LIST NAME KEY VALUE" for each value of its rows and programs
     python3 -c '
 import json, sys
@@ -65,17 +65,33 @@ sed -i 's/^        alpha = -np.expm1/        alpha = -0.5 * np.expm1/' edited/nu
 expect an_edited_program_is_drawn_with_again 9 again --resume
 
 # ---- programs that fail ----
-"$python" - <<'END'
-script = open('numpy_renderer.py').read()
-__name__ = 'example'
-exec(script)
-write_exr('right.exr', np.zeros((32, 32, 4)))
-write_exr('wide.exr', np.zeros((32, 33, 4)))
-bad = np.zeros((32, 32, 4))
+"$python" - "$top/tests/peers" <<'END'
+import sys
+sys.path.insert(0, sys.argv[1])
+import numpy as np
+from exr import write_exr
+
+bad = np.zeros((32, 32, 4), np.float32)
+write_exr('right.exr', 32, 32, bad.ravel())
+write_exr('wide.exr', 33, 32, np.zeros(33 * 32 * 4, np.float32))
+np.save('right.npy', bad)
+np.save('three.npy', bad[..., :3])
+np.save('turned.npy', np.zeros((32, 33, 4), np.float32))
+np.save('integers.npy', np.zeros((32, 32, 4), np.int32))
+open('cut.npy', 'wb').write(open('right.npy', 'rb').read()[:-1])
+open('long.npy', 'wb').write(open('right.npy', 'rb').read() + b'!')
+open('torn.npy', 'wb').write(open('right.npy', 'rb').read()[:40])
+def pfm(name, kind, size, count, scale=b'-1.0'):
+    open(name, 'wb').write(b'%s\n%s\n%s\n' % (kind, size, scale) + bytes(4 * count))
+pfm('color.pfm', b'PF', b'32 32', 3072), pfm('alpha.pfm', b'Pf', b'32 32', 1024)
+pfm('gray.pfm', b'Pf', b'32 32', 1024), pfm('narrow.pfm', b'PF', b'31 32', 31 * 96)
+pfm('scaled.pfm', b'PF', b'32 32', 3072, b'2.5'), pfm('short.pfm', b'PF', b'32 32', 3071)
+open('nothing.pfm', 'wb').write(b'P6 no picture')
 bad[3, 5, 1] = np.nan
-write_exr('nan.exr', bad)
-exec(script.replace("b'ABGR'", "b'0BGR'"))
-write_exr('three.exr', np.zeros((32, 32, 4)))
+write_exr('nan.exr', 32, 32, bad.ravel())
+np.save('infinite.npy', np.where(np.isnan(bad), np.inf, bad).astype('>f2'))
+three = open('right.exr', 'rb').read().replace(b'A\0\2\0\0\0', b'0\0\2\0\0\0', 1)
+open('three.exr', 'wb').write(three)
 END
 touch -d '1 hour ago' right.exr
 cat >bad.sh <<'END'
@@ -93,6 +109,11 @@ pipe) mkfifo frame0.exr ;;
 link) ln -s "$here/right.exr" frame0.exr ;;
 stale) cp -p "$here/right.exr" frame0.exr ;;
 wide | nan | three) cp "$here/$1.exr" frame0.exr ;;
+np-*) cp "$here/${1#np-}.npy" frame0.npy ;;
+pf-*) cp "$here/${1#pf-}.pfm" frame0.pfm; cp "$here/alpha.pfm" frame0-alpha.pfm ;;
+opaque) cp "$here/color.pfm" frame0.pfm ;;
+twice) cp "$here/right.npy" frame0.npy; cp "$here/right.exr" frame0.exr; touch frame0.exr ;;
+npy-link) ln -s "$here/right.npy" frame0.npy ;;
 black) cp "$here/right.exr" frame0.exr ;;
 flood) exec yes ;;
 closed) exec >&- 2>&-; sleep 1000 ;;
@@ -102,13 +123,15 @@ esac
 END
 chmod +x bad.sh
 names="hang deaf crash code nothing garbage empty pipe link stale wide nan three black flood closed orphan odd"
-python3 - $names >bad.json <<'END'
-import json, sys
+arrays="np-three np-turned np-integers np-cut np-long np-torn np-infinite
+    pf-gray pf-narrow pf-scaled pf-short pf-nothing opaque twice npy-link"
+rows_of() { python3 -c 'import json, sys
 ends_never = ("hang", "deaf", "flood", "closed")
-rows = [{"name": n, "command": ["./bad.sh", n], "tier": "samples", "can": ["lights", "orthographic"], "timeout_seconds": 0.4 if n in ends_never else 60}
-        for n in sys.argv[1:]]
-json.dump({"schema": "isoshade.renderers/1", "renderers": rows}, sys.stdout)
-END
+rows = [{"name": n, "command": ["./bad.sh", n], "tier": "samples", "can": ["lights", "orthographic"],
+         "timeout_seconds": 0.4 if n in ends_never else 60} for n in sys.argv[1:]]
+json.dump({"schema": "isoshade.renderers/1", "renderers": rows}, sys.stdout)' "$@"; }
+rows_of $names >bad.json
+rows_of $arrays >arrays.json
 start=$(date +%s)
 expect renderers_that_fail_make_a_report 9 "$ISOSHADE" validate v.nrrd --scene "$scene" --quick --levels 1 --size 8 --with "${names// /,}" --renderers bad.json --junit bad.xml -q -o bad
 flatten bad
@@ -138,6 +161,70 @@ closed stopped after 0.4 s, the time limit
 orphan half a voxel would be
 odd exit code 1: tab  ??? end
 END
+# Arrays and PFM in place of OpenEXR: each damage has one message.
+while read -r name words; do
+    refuse "${name}_is_refused" 8 "$words" "$ISOSHADE" render v.nrrd --scene "$scene" --size 32 --with $name --renderers arrays.json -q -o x.exr
+done <<'END'
+np-three frame0.npy has the shape (32, 32, 3), needs (32, 32, 4): rows, columns, RGBA
+np-turned frame0.npy has the shape (32, 33, 4), needs (32, 32, 4)
+np-integers frame0.npy has samples of type '<i4', needs floats of 16, 32 or 64 bits
+np-cut frame0.npy is damaged: 16383 bytes of samples, needs 16384
+np-long frame0.npy is damaged: 16513 bytes, at most 16512 belong to such a picture
+np-torn frame0.npy: damaged: a NumPy header of 118 bytes, must be
+np-infinite frame0.npy has 1 values that are not finite, the first in column 5 of row 3
+pf-gray frame0.pfm begins with Pf, needs PF: three channels
+pf-narrow frame0.pfm has 31 x 32 pixels, needs 32 x 32
+pf-scaled frame0.pfm has the scale 2.5, must be 1 or -1
+pf-short frame0.pfm is damaged: 12284 bytes of samples, needs 12288
+pf-nothing frame0.pfm is damaged: it has no PFM header
+opaque frame0-alpha.pfm was not written
+twice frame0 is there as .exr and as .npy; leave one
+npy-link frame0.npy is not a regular file
+END
+cat >forms.py <<'END'
+import json, sys
+import numpy as np
+w, h = (json.load(open(sys.argv[2]))['image'][k] for k in ('width', 'height'))
+picture = np.arange(4 * w * h).reshape(h, w, 4) / 1024
+form = sys.argv[1]
+def pfm(name, kind, order, a):
+    open(name, 'wb').write(f'{kind}\n{w} {h}\n{"-1" if order == "<" else "1"}\n'.encode() + a[::-1].astype(order + 'f4').tobytes())
+if form[:3] == 'pfm':
+    pfm('frame0.pfm', 'PF', form[3], picture[..., :3]), pfm('frame0-alpha.pfm', 'Pf', form[3], picture[..., 3])
+else:
+    a = picture.astype(form[:3])
+    np.save('frame0.npy', np.asfortranarray(a) if form[3:] else a)
+END
+forms=("<f2" ">f2" "<f4" ">f4" "<f8" ">f8" "<f4F" ">f2F" "pfm<" "pfm>")
+"$python" - "$python" "${forms[@]}" >forms.json <<'END'
+import json, sys
+rows = [{"name": f"form{i}", "command": [sys.argv[1], "forms.py", form], "tier": "samples",
+         "can": ["lights", "orthographic"]} for i, form in enumerate(sys.argv[2:])]
+json.dump({"schema": "isoshade.renderers/1", "renderers": rows}, sys.stdout)
+END
+"$python" - "$top/tests/peers" <<'END'
+import sys
+sys.path.insert(0, sys.argv[1])
+from exr import write_exr
+write_exr('form.exr', 9, 7, [i / 1024 for i in range(4 * 9 * 7)])
+END
+for i in "${!forms[@]}"; do
+    drawn() { "$ISOSHADE" render v.nrrd --scene "$scene" --size 9x7 --with form$i --renderers forms.json -q -o drawn.exr && "$ISOSHADE" compare form.exr drawn.exr; }
+    check "the_form_${forms[i]}_is_read_exactly" drawn
+done
+# Half floats: the row declares them, and the limits grow by their rounding alone.
+sed 's/"tier": "samples",/"tier": "samples", "half": true,/; s/numpy_renderer.py/half.py/' renderers.json >half.json
+sed "s/astype('f4')/astype('f2')/" numpy_renderer.py >half.py
+halved() { "$ISOSHADE" validate v.nrrd --scene "$scene" --with numpy --renderers half.json --quick --levels 1 --size 12 -q -o half; }
+expect half_floats_that_are_declared_agree 0 halved
+check by_a_limit_that_their_rounding_explains python3 -c 'import json
+rows = [r for r in json.load(open("half/report.json"))["agreement"] if r["comparison"] == "lock-step"]
+assert rows and all(0 < r["max_abs"] < r["limits"]["max_abs"] <= 2e-4 + 2 ** -11 * 1.0001 for r in rows), rows'
+sed "s/astype('f2')/astype('f2') * np.array([1, 1, 1, .998])/; s/np.save(\(.*\))$/np.save(\1.astype('f2'))/" half.py >faulty.py
+cmp -s half.py faulty.py && not_ok a_fault_is_planted "the text has none" || mv faulty.py half.py
+expect an_opacity_that_is_off_by_two_thousandths_is_seen 9 halved
+sed 's/ "half": true,//' half.json >undeclared.json && mv undeclared.json half.json && sed "s/astype('f4')/astype('f2')/" numpy_renderer.py >half.py
+notice half_floats_that_are_not_declared_differ halved
 left() { grep -laz "^CHECK_EXTERNAL_MARK=$dir\$" /proc/[0-9]*/environ 2>/dev/null | grep -oE '[0-9]+' | while read -r pid; do tr '\0' ' ' 2>/dev/null <"/proc/$pid/cmdline"; echo; done 2>/dev/null | grep -aE '[s]leep 1000|^[y]es|[b]ad\.sh'; }
 check nothing_that_they_began_is_alive bash -c "! { $(declare -f left); dir=$dir; left; }"
 sleep 1000 & # planted

@@ -48,25 +48,25 @@ check it_is_named_with_its_folder grep -q '"outside": "pictures in els"' report/
 last_value() { printf "$2" | dd of="$1" bs=1 seek=$(($(stat -c %s "$1") - 4)) conv=notrunc status=none; }
 half='\000\000\000\077' nan='\000\000\300\177'
 cp -r els bad && cd bad || exit 1
-last_value marschner-lobb-level-0/picture.exr "$half"
-last_value marschner-lobb-level-1/picture.exr "$nan"
-rm marschner-lobb-level-1/step-0.5.exr
+last_value marschner-lobb-level-0/picture.npy "$half"
+last_value marschner-lobb-level-1/picture.npy "$nan"
+rm marschner-lobb-level-1/step-0.5.npy
 cd ..
 expect faults_are_found 9 "${validate[@]}" --images outside=bad -o report
 rows
 check a_wrong_pixel_is_a_difference_of_its_picture grep -q '^differ/0/lock-step/' rows
 check and_of_no_other grep -q '^agree/0/limit/' rows
-check a_value_that_is_no_number_is_named grep -q '^refused/1/lock-step/.*bad/marschner-lobb-level-1/picture.exr has 1 values that are not finite' rows
+check a_value_that_is_no_number_is_named grep -q '^refused/1/lock-step/.*bad/marschner-lobb-level-1/picture.npy has 1 values that are not finite' rows
 check a_missing_picture_is_named grep -q '^refused/1/limit/.*there is no picture bad/marschner-lobb-level-1/step-0.5.exr' rows
 
 rm -rf bad && cp -r els bad && cd bad || exit 1
 sed -i 's/"half_height": 1/"half_height": 2/' marschner-lobb-level-0/request.json
 last_value marschner-lobb-level-1/volume.nrrd "$half"
-last_value calibration-light-level-0/picture.exr "$half"
+last_value calibration-light-level-0/picture.npy "$half"
 cd ..
 expect a_calibration_that_is_wrong 9 "${validate[@]}" --images outside=bad -o report
 check refuses_the_pictures grep -q 'failed its calibration: light' err
-cp els/calibration-light-level-0/picture.exr bad/calibration-light-level-0
+cp els/calibration-light-level-0/picture.npy bad/calibration-light-level-0
 expect pictures_of_something_else 9 "${validate[@]}" --images outside=bad -o report
 rows
 check another_camera_is_named grep -q '^refused/0/lock-step/.*level-0 are for another request: its "camera" differs' rows
@@ -82,13 +82,13 @@ notice the_same_volume_is_not_refused grep -q '^refused/0/' rows
 
 # Pictures alone, by their names, without requests and calibrations; their index says what they are held to.
 mkdir alone
-cp els/marschner-lobb-level-0/step-0.125.exr alone/marschner-lobb-level-0.exr
-cp els/calibration-slab-level-0/picture.exr alone/marschner-lobb-level-1.exr
+cp els/marschner-lobb-level-0/step-0.125.npy alone/marschner-lobb-level-0.npy
+cp els/calibration-slab-level-0/picture.npy alone/marschner-lobb-level-1.npy
 echo '{"schema": "isoshade.pictures/1", "tier": "8 bits"}' >alone/pictures.json
 expect pictures_alone_are_compared 9 "${validate[@]}" --images outside=alone -o report
 rows
 check within_what_integers_leave grep -q '^agree/0/stated limits/' rows
-check another_size_is_named grep -q '^refused/1/stated limits/.*alone/marschner-lobb-level-1.exr has 32 x 32 pixels, needs 10 x 10' rows
+check another_size_is_named grep -q '^refused/1/stated limits/.*alone/marschner-lobb-level-1.npy has the shape (32, 32, 4), needs (10, 10, 4)' rows
 check that_nothing_was_calibrated_is_said test "$(grep -c '^not calibrated: outside: .* stays open: ' out)" = 7
 echo '{"schema": "isoshade.pictures/1", "tier": "limit"}' >alone/pictures.json
 refuse a_limit_without_steps_is_refused 4 'pictures at two or more steps' "${validate[@]}" --images outside=alone -o no

@@ -61,6 +61,7 @@ TEST(what_a_file_says_wrong_is_named)
         {ROW(GOOD ", \"limits\": {\"rmse\": 0, \"max_abs\": 0}, \"why\": \"none\""), "\"limits\" is not for the tier",
          ISO_E_FORMAT},
         {ROW(GOOD ", \"bits\": 8"), "\"bits\" is not for the tier", ISO_E_FORMAT},
+        {ROW(GOOD ", \"half\": true"), "\"half\" is for the tier \"samples\"", ISO_E_FORMAT},
         {ROW("\"name\": \"x\", \"command\": [\"true\"], \"tier\": \"samples\", \"seeds\": 2"),
          "\"seeds\" is for the tier", ISO_E_FORMAT},
         {ROW("\"name\": \"x\", \"command\": [\"true\"], \"tier\": \"8 bits\", \"limits\": {\"rmse\": 0, \"max_abs\": 0}"),
@@ -92,6 +93,7 @@ TEST(limits_follow_from_the_tier)
              "{\"schema\": \"isoshade.renderers/1\", \"renderers\": ["
              "{\"name\": \"bits\", \"command\": [\"true\"], \"tier\": \"8 bits\", \"why\": \"w\","
              " \"limits\": {\"rmse\": 0.001, \"max_abs\": 0.002, \"sharp_max_abs\": 0.01}},"
+             "{\"name\": \"half\", \"command\": [\"true\"], \"tier\": \"samples\", \"half\": true},"
              "{\"name\": \"noisy\", \"command\": [\"true\"], \"tier\": \"limit\", \"seeds\": 6, \"samples\": 9}]}",
              &err));
     assert_ok(iso_renderer_from_name("bits", &r, &err));
@@ -100,6 +102,11 @@ TEST(limits_follow_from_the_tier)
     assert_float_equal(r->lock_step->sharp.rmse, 0.001 + 1.0 / 510, 1e-8);
     assert_int_equal(r->lock_step->quadrature, ISO_QUADRATURE_CONVERGED);
     assert_false(iso_renderer_has(r, ISO_HAS_LIMIT));
+    assert_ok(iso_renderer_from_name("half", &r, &err));
+    assert_true(r->output.half);
+    assert_float_equal(iso_half_rounding(1), 0x1p-12, 1e-9); /* of 1 - 2^-12, between two half floats */
+    assert_float_equal(iso_half_rounding(1.5), 0x1p-11, 1e-8);
+    assert_float_equal(iso_half_rounding(0), 0x1p-26, 1e-9);
     assert_ok(iso_renderer_from_name("noisy", &r, &err));
     assert_true(iso_renderer_has(r, ISO_HAS_LIMIT | ISO_IS_RANDOM | ISO_READS_SEED | ISO_READS_SAMPLES | ISO_IS_NAMED));
     assert_int_equal(r->seeds, 6);
@@ -122,15 +129,15 @@ static const struct {
     {"mirrored along x", "grid[z, y, x]", "grid[z, y, last[0] - x]", "placement"},
     {"the volume of another day", "np.concatenate(grids, 3)", "np.concatenate(grids, 3)[::-1, ::-1, ::-1]",
      "placement"},
-    {"rows from the bottom", "enumerate(rows)", "enumerate(rows[::-1])", "placement"},
+    {"rows from the bottom", "picture.astype", "picture[::-1].astype", "placement"},
     {"half a pixel off", "(2 * np.arange(w) + 1 - w)", "(2 * np.arange(w) - w)", "placement"},
     {"extinction for 10 % more length", "np.expm1(-sigma", "np.expm1(-1.1 * sigma", "slab"},
     {"multiplied by alpha twice", "    return rgba.reshape(",
      "    rgba[:, :3] *= rgba[:, 3:]\n    return rgba.reshape(", "slab"},
     {"not multiplied by alpha", "    return rgba.reshape(",
      "    rgba[:, :3] /= np.maximum(rgba[:, 3:], 1e-9)\n    return rgba.reshape(", "slab"},
-    {"a picture in sRGB", "    rows = rgba", "    rows = (rgba ** (1 / 2.2))", "slab"},
-    {"channels in another order", "rgba[:, :, ::-1]", "rgba[:, :, [3, 0, 1, 2]]", "slab"},
+    {"a picture in sRGB", "picture.astype", "(picture ** (1 / 2.2)).astype", "slab"},
+    {"channels in another order", "picture.astype", "picture[..., [2, 1, 0, 3]].astype", "slab"},
     {"colors taken for sRGB", "np.column_stack((tf['color'],", "np.column_stack((np.power(tf['color'], 2.2),",
      "transfer function"},
     {"the range is off by an entry", "np.linspace(tf['lo'], tf['hi'],", "np.linspace(tf['lo'], tf['hi'] + 1 / 16,",
@@ -143,7 +150,7 @@ static const struct {
     {"the light from the other side", "np.abs(n @ l['direction'])",
      "np.abs(n @ (l['direction'] * np.array((-1, 1, 1))))", "light"},
     {"lit on one side", "np.abs(n @ l['direction'])", "np.maximum(n @ l['direction'], 0)", "light"},
-    {"clipped at 1", "    rows = rgba", "    rows = np.minimum(rgba, 1)", "light"},
+    {"clipped at 1", "picture.astype", "np.minimum(picture, 1).astype", "light"},
     {"back before front", "((a + b) / 2)[i, None]", "(t0 + t1 - (a + b) / 2)[i, None]", "order"},
     {"the view vector of the other projection", "-ray[i])", "-np.broadcast_to(c['forward'], ray[i].shape))",
      "view vector"},

@@ -1,5 +1,5 @@
 # numpy_renderer.py - a ray caster in numpy, started by isoshade with the path of a request
-import json, struct, sys
+import json, sys
 import numpy as np
 
 def read_nrrd(about, size):  # as isoshade writes them: raw floats after an empty line, x fastest
@@ -53,22 +53,9 @@ def render(r, grid, step):  # samples in the middle of the segments [k step, (k 
     rgba[:, :3] += through[:, None] * r['background']
     return rgba.reshape(h, w, 4)
 
-def write_exr(name, rgba):  # rows of floats, not compressed: the channels A, B, G, R of a row one after the other
-    h, w = rgba.shape[:2]
-    box, one, head = struct.pack('<4i', 0, 0, w - 1, h - 1), struct.pack('<f', 1), struct.pack('<2i', 20000630, 2)
-    channels = b''.join(bytes([c, 0]) + struct.pack('<4i', 2, 0, 1, 1) for c in b'ABGR') + b'\0'
-    for key, value in ((b'channels\0chlist', channels), (b'compression\0compression', b'\0'), (b'dataWindow\0box2i', box),
-                       (b'displayWindow\0box2i', box), (b'lineOrder\0lineOrder', b'\0'), (b'pixelAspectRatio\0float', one),
-                       (b'screenWindowCenter\0v2f', bytes(8)), (b'screenWindowWidth\0float', one)):
-        head += key + b'\0' + struct.pack('<i', len(value)) + value
-    places = len(head) + 1 + 8 * h + (8 + 16 * w) * np.arange(h, dtype='<u8')
-    rows = rgba[:, :, ::-1].transpose(0, 2, 1).astype('<f4')
-    with open(name, 'wb') as f:
-        f.write(head + b'\0' + places.tobytes())
-        f.writelines(struct.pack('<2i', y, 16 * w) + row.tobytes() for y, row in enumerate(rows))
-
 if __name__ == '__main__':
     r = json.load(open(sys.argv[1]))
     grids = [read_nrrd(about, r['volume']['size']) for about in (r['volume'], r['directions']) if about]
     for frame in r['frames']:
-        write_exr(frame['file'], render(r, np.concatenate(grids, 3), frame['step_mm']))
+        picture = render(r, np.concatenate(grids, 3), frame['step_mm'])
+        np.save(frame['file'].replace('.exr', '.npy'), picture.astype('f4'))

@@ -15,6 +15,7 @@
 #include "base/provenance.h"
 #include "base/words.h"
 #include "renderers/picture_file.h"
+#include "renderers/picture_plain.h"
 #include "renderers/request.h"
 
 /* ---- output of the program, for reports ---- */
@@ -231,11 +232,17 @@ static iso_status check_file(const char *path, const char *file, const char *req
 
 static iso_status take_picture(const start *s, const char *file, const iso_view *view, iso_image *image, iso_error *err)
 {
-    char *path = iso_path_join(s->dir, file), *request = iso_path_join(s->dir, "request.json");
-    iso_status status = path && request ? check_file(path, file, request, err)
-                                        : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_picture_load(path, file, view, image, err));
+    char *asked = iso_path_join(s->dir, file), *request = iso_path_join(s->dir, "request.json"), *path = NULL;
+    iso_status status = asked && request ? iso_picture_find(asked, file, &path, err)
+                                         : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    char *alpha = status == ISO_OK ? iso_picture_alpha(path) : NULL;
+    TRY(status, check_file(path, iso_path_base(path), request, err));
+    if (status == ISO_OK && alpha)
+        status = check_file(alpha, iso_path_base(alpha), request, err);
+    TRY(status, iso_picture_load(path, iso_path_base(path), view, image, err));
+    free(alpha);
     free(path);
+    free(asked);
     free(request);
     return status;
 }

@@ -9,8 +9,8 @@
  * (base/sandbox.h), unless the row turns that off.
  *
  * Errors name the cause: a missing program, an exit code other than 0, a signal, the time limit; a picture that is
- * missing, not a regular file, older than the request, not OpenEXR, of another size, without one of the four
- * channels, or with values that are not finite. */
+ * missing, not a regular file, older than the request, of no form of picture_file.h, of another size, without one of the
+ * four channels, or with values that are not finite. */
 #ifndef ISO_RENDERERS_EXTERNAL_H
 #define ISO_RENDERERS_EXTERNAL_H
 

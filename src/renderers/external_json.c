@@ -153,6 +153,11 @@ static void take_tier(iso_json_reader *r, row *to, tier asked)
         lock->smooth = usual_smooth, lock->sharp = usual_sharp;
     get_limits(r, to);
     iso_json_get_size(r, to->json, "bits", false, 8, 16, &bits);
+    bool half = false;
+    iso_json_get_bool(r, to->json, "half", false, &half);
+    if (half && (bits || asked == TIER_LIMIT))
+        fail(r, ISO_E_FORMAT, "half", "is for the tier \"samples\", without \"bits\"");
+    to->info.output.half = half;
     if (asked == TIER_LIMIT && (has_limits || bits))
         fail(r, ISO_E_FORMAT, has_limits ? "limits" : "bits",
              "is not for the tier \"limit\", whose limits follow from halved steps of float pictures");
@@ -193,8 +198,8 @@ static void get_numbers(iso_json_reader *r, row *to)
 static iso_status read_row(row *to, size_t number, iso_error *err)
 {
     static const char *const keys[] = {"name",  "title",       "command",         "version", "package", "tier",
-                                       "can",   "seeds",       "samples",         "bits",    "limits",  "why",
-                                       "color", "step_voxels", "timeout_seconds", "sandbox", NULL};
+                                       "can",   "seeds",       "samples",         "bits",    "half",    "limits",
+                                       "why",   "color",       "step_voxels",     "timeout_seconds",    "sandbox", NULL};
     static const char *const colors[] = {"#cc79a7", "#56b4e9", "#e69f00", "#8c6d31", "#7b4173", "#637939"};
     char where[1100];
     const char *name = json_string_value(json_object_get(to->json, "name"));

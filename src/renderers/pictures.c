@@ -146,22 +146,27 @@ static iso_status check_once(pictures *p, const iso_render_request *q, const cha
 
 /* ---- a picture ---- */
 
-/* Returns the picture's path in the folder of its scene and level, or next to that folder. NULL: no memory. */
-static char *find_picture(const char *there, double step_voxels)
+/* Finds the picture in the folder of its scene and level, or next to that folder. */
+static iso_status find_picture(const pictures *p, const char *there, double step_voxels, char **path, iso_error *err)
 {
-    char file[ISO_PICTURE_NAME_BYTES], *path = NULL, *sibling = NULL;
+    char file[ISO_PICTURE_NAME_BYTES], *inside = NULL, *beside = NULL, *found = NULL;
     iso_picture_file(step_voxels, file);
-    if (asprintf(&path, "%s/%s", there, file) < 0)
-        return NULL;
-    if (iso_path_exists(path))
-        return path;
-    if (asprintf(&sibling, "%s%s%s", there, step_voxels > 0 ? "-" : "", step_voxels > 0 ? file : ".exr") >= 0 &&
-        iso_path_exists(sibling)) {
-        free(path);
-        return sibling;
+    const bool named = asprintf(&inside, "%s/%s", there, file) >= 0 &&
+                       asprintf(&beside, "%s%s%s", there, step_voxels > 0 ? "-" : "",
+                                step_voxels > 0 ? file : ".exr") >= 0;
+    iso_status status = named ? iso_picture_find(inside, inside + p->hidden, path, err)
+                              : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK && !iso_path_exists(*path))
+        status = iso_picture_find(beside, beside + p->hidden, &found, err);
+    if (found && iso_path_exists(found)) {
+        free(*path);
+        *path = found;
+        found = NULL;
     }
-    free(sibling);
-    return path;
+    free(found);
+    free(inside);
+    free(beside);
+    return status;
 }
 
 static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
@@ -175,8 +180,10 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
         return iso_fail(err, ISO_E_USAGE, "%s: has only pictures of scenes; render a scene by name", self->name);
     iso_picture_folder(q->renderers->scene, q->level, folder);
     there = iso_path_join(p->dir, folder);
-    char *path = there ? find_picture(there, q->options->step_voxels) : NULL;
-    iso_status status = path ? check_once(p, q, there, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    char *path = NULL;
+    iso_status status = there ? find_picture(p, there, q->options->step_voxels, &path, err)
+                              : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    TRY(status, check_once(p, q, there, err));
     if (status == ISO_OK && !iso_path_exists(path))
         status = iso_fail(err, ISO_E_MISSING, "%s: there is no picture %s", self->name, path + p->hidden);
     else if (status == ISO_OK && (status = iso_picture_load(path, path + p->hidden, q->view, image, &why)) != ISO_OK)
@@ -200,8 +207,8 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
 static iso_status make_row(const char *name, const char *index, json_t **row, size_t *steps, iso_error *err)
 {
     static const char *const keys[] = {"schema", "command", "tier",  "title",    "bits",
-                                       "limits", "why",     "steps", "pictures", NULL},
-                             *const kept[] = {"tier", "title", "bits", "limits", "why"};
+                                       "half",   "limits",  "why",   "steps",    "pictures", NULL},
+                             *const kept[] = {"tier", "title", "bits", "half", "limits", "why"};
     json_t *root = NULL;
     const char *schema = "";
     *row = json_pack("{s:s, s:[s], s:s, s:[s,s,s,s]}", "name", name, "command", "pictures", "tier", "samples", "can",

@@ -63,6 +63,11 @@ void iso_renderers_leave_out_missing(const char *list, bool wanted[ISO_MAX_RENDE
     iso_renderers_end(&r);
 }
 
+double iso_half_rounding(double most)
+{
+    return ldexp(1, (int)ceil(log2(fmax(most, 0x1p-14))) - 12) * (1 + 1e-6); /* for programs that round in float */
+}
+
 /* ---- steps ---- */
 
 double iso_level_chord_voxels(const iso_level *level)

@@ -139,7 +139,11 @@ typedef struct iso_render_output {
     double (*peak)(const iso_view *view); /* color that the largest integer stands for */
     double rounding, rounding_rmse;       /* as parts of that color, in lock-step: of a value, and over the image */
     double most;                          /* brighter colors are clipped to it; 0: no clipping */
+    bool half;                            /* True if values are rounded to half floats; limits grow by that */
 } iso_render_output;
+
+/* Returns the largest rounding error of half floats up to `most`: half a step of 11 bits below the next power of 2. */
+double iso_half_rounding(double most);
 
 struct iso_renderer_info {
     const char *name;            /* on command lines and in reports: "gl" */

@@ -375,6 +375,10 @@ static const char *lacking(const iso_renderer_info *which, int check)
  * ISO_CALIBRATION_PIXELS is accurate to a tenth of a pixel. */
 static void widen_limit(const iso_renderer_info *which, iso_calibration *c)
 {
+    if (which->output.half && strcmp(c->unit, "pixel") != 0) { /* their colors are at most 1 */
+        c->limit += iso_half_rounding(1);
+        snprintf(c->why, sizeof c->why, "half floats: %.400s", which->lock_step->why);
+    }
     const double stated = !which->output.most             ? 0
                           : strcmp(c->unit, "pixel") == 0 ? 0.1
                                                           : which->lock_step->smooth.max_abs;

@@ -171,7 +171,7 @@ static void put_readme(FILE *f, const iso_elsewhere *e, const char *validate)
           "directions.nrrd, if a light is visible, their directions. isoshade's doc/reference/files-request.md\n"
           "has the keys, doc/guide/numpy_renderer.py is a short renderer that reads them.\n\n"
           "Draw these, and leave each where its request lies: OpenEXR, 32-bit float, channels R G B A, linear light,\n"
-          "color multiplied by alpha, background included, of exactly that size:\n\n",
+          "color multiplied by alpha, background included, of exactly that size; or as .npy or .pfm, by that page:\n\n",
           f);
     put_wanted(f, e->pictures);
     fprintf(
@@ -183,7 +183,7 @@ static void put_readme(FILE *f, const iso_elsewhere *e, const char *validate)
         "    for request in */request.json; do (cd \"${request%%/*}\" && RENDERER \"$PWD/request.json\"); done\n\n"
         "Then, in the volume's folder:\n\n    %s\n\n"
         "pictures.json may be edited to set the limits of the pictures: \"tier\" (\"samples\", \"limit\" or \"8 bits\"),\n"
-        "\"bits\", \"limits\" ({\"rmse\", \"max_abs\"}) with \"why\", and \"title\", as in renderers.json\n"
+        "\"bits\", \"half\", \"limits\" ({\"rmse\", \"max_abs\"}) with \"why\", and \"title\", as in renderers.json\n"
         "(doc/reference/files-request.md).\n",
         e->steps ? ",\nfor the limit of small steps." : ".", validate);
     json_array_foreach (e->left_out, i, one)

@@ -77,14 +77,27 @@ void iso_validate_limit_row(const iso_scene_agreement *asked, const iso_extrapol
     }
 }
 
+/* Returns a bound of all channels of a picture: the scene limits ambient and diffuse light to 1, and so is alpha. */
+static double brightest(const iso_view *view)
+{
+    const double *b = view->background;
+    double color = 0, light = 1;
+    for (size_t i = 0; i < 4 * view->tf.count; ++i)
+        color = fmax(color, i % 4 < 3 ? (double)view->tf.entries[i] : 0);
+    for (size_t i = 0; i < view->light_count; ++i)
+        light += view->shading.specular * view->lights[i].intensity;
+    return fmax(1, fmax(color * light, fmax(b[0], fmax(b[1], b[2]))));
+}
+
 iso_tolerances iso_validate_lock_step(const iso_renderer_info *renderer, const iso_view *view, bool sharp)
 {
     const iso_lock_step *lock = renderer->lock_step;
     const iso_sample_error *e = sharp ? &lock->sharp : &lock->smooth;
     const iso_render_output *output = &renderer->output;
     const double peak = output->peak ? output->peak(view) : 0;
-    return (iso_tolerances){.rmse = fmax(e->rmse, output->rounding_rmse * peak),
-                            .max_abs = fmax(e->max_abs, output->rounding * peak)};
+    const double half = output->half ? iso_half_rounding(brightest(view)) : 0; /* of the image, too: it may be flat */
+    return (iso_tolerances){.rmse = fmax(e->rmse, output->rounding_rmse * peak) + half,
+                            .max_abs = fmax(e->max_abs, output->rounding * peak) + half};
 }
 
 iso_limit_options iso_validate_limit_options(const iso_scene_agreement *asked, const iso_renderer_info *renderer,

@@ -9,14 +9,14 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "volume/npy.h"
 #include "volume/stream_kernel.h"
 
-enum { MAGIC_BYTES = 6, START_BYTES = 12, MOST_HEADER = 65536, MOST_AXES = 4 };
+enum { MAGIC_BYTES = 6, START_BYTES = 12, MOST_AXES = 4 };
 static const char magic[] = "\x93NUMPY";
 
 typedef struct npy {
-    char text[MOST_HEADER + 1];
-    size_t samples_at;
+    iso_npy header;
     size_t axes[MOST_AXES]; /* the fastest first */
     size_t axis_count;
 } npy;
@@ -26,7 +26,7 @@ static bool starts_like_npy(const unsigned char *head, size_t size)
     return size >= MAGIC_BYTES && memcmp(head, magic, MAGIC_BYTES) == 0;
 }
 
-static iso_status read_header(const char *path, npy *n, iso_error *err)
+iso_status iso_npy_read_header(const char *path, iso_npy *n, iso_error *err)
 {
     unsigned char start[START_BYTES];
     FILE *f = fopen(path, "rb");
@@ -40,19 +40,18 @@ static iso_status read_header(const char *path, npy *n, iso_error *err)
         length += ((size_t)start[10] << 16) + ((size_t)start[11] << 24);
     n->samples_at = text_at + length;
     got = 0;
-    if (length > 0 && length <= MOST_HEADER && fseek(f, (long)text_at, SEEK_SET) == 0)
+    if (length > 0 && length <= ISO_NPY_MOST_HEADER && fseek(f, (long)text_at, SEEK_SET) == 0)
         got = fread(n->text, 1, length, f);
     n->text[got] = 0;
     const iso_status status = iso_source_check_read(f, path, ISO_OK, err);
     fclose(f);
     if (status == ISO_OK && (got == 0 || got != length))
         return iso_fail(err, ISO_E_FORMAT, "%s: damaged: a NumPy header of %zu bytes, must be 1 to %d and in the file",
-                        path, length, MOST_HEADER);
+                        path, length, ISO_NPY_MOST_HEADER);
     return status;
 }
 
-/* Returns the text after 'key': in the dictionary; NULL: it is missing. */
-static const char *find_value(const npy *n, const char *key)
+const char *iso_npy_value(const iso_npy *n, const char *key)
 {
     char quoted[32];
     snprintf(quoted, sizeof quoted, "'%s'", key);
@@ -62,6 +61,18 @@ static const char *find_value(const npy *n, const char *key)
     at += strlen(quoted);
     at += strspn(at, " ");
     return *at == ':' ? at + 1 + strspn(at + 1, " ") : NULL;
+}
+
+bool iso_npy_type(const iso_npy *n, char *order, char name[3])
+{
+    const char *value = iso_npy_value(n, "descr");
+    return value && sscanf(value, "'%c%2[a-z0-9]'", order, name) == 2 && strchr("<>|=", *order) && strlen(name) == 2 &&
+           value[4] == '\'';
+}
+
+bool iso_npy_is_swapped(char order)
+{
+    return order == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? '>' : '<');
 }
 
 static iso_status take_type(const npy *n, iso_volume_source *source, iso_error *err)
@@ -75,11 +86,10 @@ static iso_status take_type(const npy *n, iso_volume_source *source, iso_error *
         const char *name;
         iso_form form;
     } forms[] = {{"f2", ISO_FORM_HALF}, {"i8", ISO_FORM_I64}, {"u8", ISO_FORM_U64}};
-    const char *value = find_value(n, "descr");
+    const char *value = iso_npy_value(&n->header, "descr");
     char order = 0, name[3] = "";
-    if (value && sscanf(value, "'%c%2[a-z0-9]'", &order, name) == 2 && strchr("<>|=", order) && strlen(name) == 2 &&
-        value[4] == '\'') {
-        source->swap_bytes = name[1] != '1' && order == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? '>' : '<');
+    if (iso_npy_type(&n->header, &order, name)) {
+        source->swap_bytes = name[1] != '1' && iso_npy_is_swapped(order);
         for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
             if (strcmp(name, types[i].name) == 0) {
                 source->header.type = types[i].type;
@@ -97,15 +107,16 @@ static iso_status take_type(const npy *n, iso_volume_source *source, iso_error *
                     source->path, value ? (int)strcspn(value, ",}\n") : 7, value ? value : "missing");
 }
 
-/* Reads "(7, 9, 11)": the axes in the order of the file's text. */
-static bool read_shape(const char *value, size_t axes[MOST_AXES + 1], size_t *count)
+bool iso_npy_shape(const iso_npy *n, size_t axes[ISO_NPY_MOST_AXES], size_t *count, bool *is_fortran)
 {
+    const char *order = iso_npy_value(n, "fortran_order"), *value = iso_npy_value(n, "shape");
     *count = 0;
-    if (!value || *value++ != '(')
+    if (!order || !value || *value++ != '(')
         return false;
+    *is_fortran = strncmp(order, "True", 4) == 0;
     for (value += strspn(value, " "); *value != ')'; value += strspn(value, ", ")) {
         char *end;
-        if (*value < '0' || *value > '9' || *count > MOST_AXES)
+        if (*value < '0' || *value > '9' || *count == ISO_NPY_MOST_AXES)
             return false;
         errno = 0;
         axes[(*count)++] = strtoull(value, &end, 10);
@@ -118,11 +129,11 @@ static bool read_shape(const char *value, size_t axes[MOST_AXES + 1], size_t *co
 
 static iso_status take_axes(npy *n, const char *path, iso_error *err)
 {
-    size_t axes[MOST_AXES + 1], count;
-    const char *order = find_value(n, "fortran_order"), *shape = find_value(n, "shape");
-    if (!order || !read_shape(shape, axes, &count))
+    size_t axes[ISO_NPY_MOST_AXES], count;
+    const char *shape = iso_npy_value(&n->header, "shape");
+    bool is_fortran = false;
+    if (!iso_npy_shape(&n->header, axes, &count, &is_fortran))
         return iso_fail(err, ISO_E_FORMAT, "%s: damaged: its NumPy header has no order and shape", path);
-    const bool is_fortran = strncmp(order, "True", 4) == 0;
     if (count < 3 || count > MOST_AXES)
         return iso_fail(err, ISO_E_FORMAT, "%s: its shape is %.*s, a volume has 3 axes, with time 4", path,
                         (int)strcspn(shape, ")") + 1, shape);
@@ -140,7 +151,7 @@ static iso_status open_array(iso_volume_source *source, npy *n, iso_error *err)
 {
     iso_geometry *g = &source->header.geometry;
     double mm;
-    iso_status status = read_header(source->path, n, err);
+    iso_status status = iso_npy_read_header(source->path, &n->header, err);
     TRY(status, take_type(n, source, err));
     TRY(status, take_axes(n, source->path, err));
     TRY(status, iso_source_unit(source, "mm", "mm", &mm, err));
@@ -152,7 +163,7 @@ static iso_status open_array(iso_volume_source *source, npy *n, iso_error *err)
     const iso_extra_axes extra = {.frame = {.count = n->axis_count > 3 ? n->axes[3] : 1, .stride = 1},
                                   .channel = {.count = 1, .stride = 1}};
     TRY(status, iso_source_choose(source, &extra, err));
-    return status == ISO_OK ? iso_source_take_file(source, source->path, n->samples_at, err) : status;
+    return status == ISO_OK ? iso_source_take_file(source, source->path, n->header.samples_at, err) : status;
 }
 
 static iso_status open_npy(iso_volume_source *source, iso_error *err)
