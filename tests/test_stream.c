@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The build in slabs: the bytes of the build in memory, whatever the memory and the threads, and across a kill. */
+#define _GNU_SOURCE
 #include "folder.h"
 #include "test.h"
 
@@ -7,6 +8,7 @@
 
 #include "base/file.h"
 #include "pyramid/pyramid_stream.h"
+#include "scene/subject.h"
 
 static iso_status open_path(void *user, iso_volume_source **source, iso_error *err)
 {
@@ -297,6 +299,64 @@ TEST(nor_does_it_go_with_a_folder_that_is_abandoned)
     FREED char *paper = iso_path_join(partial, "paper.tex"), *level = iso_path_join(partial, "level_0.nrrd");
     assert_true(iso_path_is_file(paper));
     assert_false(iso_path_exists(level));
+}
+
+static void assert_same_level(const iso_level *a, const iso_level *b)
+{
+    const size_t count = iso_geometry_voxel_count(&a->geometry);
+    assert_memory_equal(a->geometry.size, b->geometry.size, sizeof a->geometry.size);
+    assert_memory_equal(a->scalar, b->scalar, count * sizeof *a->scalar);
+    assert_memory_equal(a->codes, b->codes, 3 * count);
+}
+
+/* Loads the coarse levels of a file or pyramid with more voxels than wanted, and compares them. */
+static void assert_coarse_levels(const char *path, const iso_pyramid_options *opt, const iso_pyramid *whole,
+                                 bool is_folder)
+{
+    const iso_volume_input input = {0};
+    iso_subject_coarse coarse;
+    {
+        OWNED(iso_pyramid) outline, p;
+        assert_ok(iso_subject_load_coarse(path, &input, opt, 100, NULL, &outline, &coarse, &err));
+        assert_non_null(coarse.folder);
+        assert_int_equal(outline.level_count, whole->level_count);
+        for (size_t k = 0; k < whole->level_count; ++k)
+            assert_null(outline.levels[k].scalar);
+        assert_ptr_equal(iso_pyramid_finest(&outline), outline.levels);
+        assert_ok(iso_pyramid_load_from(coarse.folder, 1, &p, &err));
+        assert_null(p.levels[0].scalar);
+        assert_null(p.levels[0].codes);
+        assert_true(iso_pyramid_lo(&p) == iso_pyramid_lo(whole) && iso_pyramid_hi(&p) == iso_pyramid_hi(whole));
+        assert_ptr_equal(iso_pyramid_finest(&p), &p.levels[1]);
+        for (size_t k = 1; k < p.level_count; ++k)
+            assert_same_level(&p.levels[k], &whole->levels[k]);
+        OWNED(iso_view) view; /* a first picture, whose transfer function is chosen by level 1 */
+        assert_ok(iso_subject_make_view(&(iso_subject_look){.size = "16"}, &p, &view, &err));
+    }
+    FREED char *temporary = coarse.temporary ? strdup(coarse.temporary) : NULL;
+    assert_int_equal(temporary == NULL, is_folder);
+    assert_true(!temporary || iso_path_exists(temporary));
+    iso_subject_coarse_destroy(&coarse);
+    assert_true(!temporary || !iso_path_exists(temporary));
+}
+
+TEST(of_a_large_volume_the_coarse_levels_are_built_and_loaded_alone)
+{
+    FREED char *source = iso_path_join(folder, "l.nrrd"), *dir = iso_path_join(folder, "l.iso");
+    const size_t size[3] = {20, 17, 26};
+    OWNED(iso_volume) v = make_volume(size, ISO_U8, source);
+    OWNED(iso_pyramid) whole, all;
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = 3;
+    assert_ok(iso_pyramid_build(&v, source, &opt, &whole, NULL, &err));
+    assert_ok(iso_pyramid_save(&whole, dir, &err));
+    assert_coarse_levels(source, &opt, &whole, false);
+    assert_coarse_levels(dir, &opt, &whole, true);
+    assert_true(iso_pyramid_is_one(dir)); /* the user's folder stays */
+    iso_subject_coarse coarse;
+    assert_ok(iso_subject_load_coarse(source, &(iso_volume_input){0}, &opt, 20 * 17 * 26, NULL, &all, &coarse, &err));
+    assert_null(coarse.folder);
+    assert_same_level(&all.levels[0], &whole.levels[0]);
 }
 
 TEST_MAIN(make_folder, remove_folder)

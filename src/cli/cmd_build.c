@@ -128,17 +128,6 @@ typedef struct build_job {
     iso_ranks *ranks;
 } build_job;
 
-typedef struct open_user {
-    const char *path;
-    const iso_volume_input *input;
-} open_user;
-
-static iso_status open_input(void *user, iso_volume_source **source, iso_error *err)
-{
-    const open_user *u = user;
-    return iso_volume_input_open(u->path, u->input, source, err);
-}
-
 /* Options that do not change the pyramid. */
 static const char *const not_in_key[] = {"threads", "memory", "save-every", NULL};
 
@@ -161,8 +150,8 @@ static iso_status build_one(const build_job *job, const iso_pyramid_options *opt
     const iso_cli_stage stages[] = {{"directions", 1}, {"build", 2}};
     const bool is_given = opt->direction_filter != ISO_DIRECTION_AUTO;
     iso_cli_expect(cli, stages + is_given, 2 - (size_t)is_given);
-    open_user user = {path, job->input};
-    const iso_stream_input source = {open_input, &user, path};
+    iso_subject_file file = {path, job->input};
+    const iso_stream_input source = {iso_subject_open, &file, path};
     iso_key *key = iso_cli_key(cli, not_in_key);
     if (!key)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");

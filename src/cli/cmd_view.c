@@ -16,6 +16,7 @@
 #include "plan/planned.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
+#include "tf/small_views.h"
 #include "view/viewer.h"
 
 enum { LEVELS = 5, COARSEST = 16 }; /* COARSEST: stop at this many voxels along the longest side */
@@ -205,6 +206,26 @@ static void note_levels(const iso_cli *cli, const char *path)
             path);
 }
 
+/* Loads the pyramid, but only the page's levels if level 0 has more voxels than the errors of levels are measured from
+ * (tf/small_views.h), and if no option needs it. */
+static iso_status load(const view_arguments *a, const char *path, const iso_pyramid_options *build,
+                       const iso_progress *progress, iso_viewer *v, iso_pyramid *p, iso_error *err)
+{
+    const double most = fmax(a->most, (double)ISO_SMALL_VIEWS_MAX_VOXELS);
+    iso_pyramid outline = {0};
+    iso_subject_coarse coarse;
+    if (a->plan || a->adapted || a->errors || a->level == 0)
+        return iso_subject_load_pyramid(path, &a->input, build, progress, p, err);
+    iso_status status = iso_subject_load_coarse(path, &a->input, build, most, progress, p, &coarse, err);
+    if (status == ISO_OK && coarse.folder && (status = choose_levels(a, p, v, err)) == ISO_OK) {
+        outline = *p;
+        status = iso_pyramid_load_from(coarse.folder, v->first, p, err);
+    }
+    iso_pyramid_destroy(&outline);
+    iso_subject_coarse_destroy(&coarse);
+    return status;
+}
+
 static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *err)
 {
     const char *path = cli->arguments[0];
@@ -238,7 +259,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     build.code = v.code_count > 0 ? v.codes[0] : build.code;
     build.keep_float = v.code_count > 1;
     TRY(status, iso_cli_look_check(&a->look, cli->threads, &look, err));
-    TRY(status, iso_subject_load_pyramid(path, &a->input, &build, &progress, &pyramid, err));
+    TRY(status, load(a, path, &build, &progress, &v, &pyramid, err));
     if (status == ISO_OK && is_pyramid && !a->codes)
         v.codes[0] = pyramid.options.code;
     TRY(status, choose_levels(a, &pyramid, &v, err));

@@ -69,6 +69,14 @@ double iso_pyramid_hi(const iso_pyramid *p)
     return has_value_range(p) ? p->options.value_range[1] : p->levels[0].max;
 }
 
+const iso_level *iso_pyramid_finest(const iso_pyramid *p)
+{
+    for (size_t k = 0; k < p->level_count; ++k)
+        if (p->levels[k].scalar || p->levels[k].samples)
+            return &p->levels[k];
+    return &p->levels[0];
+}
+
 iso_status iso_pyramid_check_level(const iso_pyramid *p, const char *path, size_t level, iso_error *err)
 {
     char known[48];

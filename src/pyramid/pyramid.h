@@ -161,12 +161,16 @@ void iso_pyramid_destroy(iso_pyramid *p);
 double iso_pyramid_lo(const iso_pyramid *p);
 double iso_pyramid_hi(const iso_pyramid *p);
 
+/* Returns the finest level with samples in memory; level 0 if none has. */
+const iso_level *iso_pyramid_finest(const iso_pyramid *p);
 /* Returns ISO_E_RANGE unless the pyramid has the level. path: starts the message, or NULL. */
 iso_status iso_pyramid_check_level(const iso_pyramid *p, const char *path, size_t level, iso_error *err);
 
 /* iso_pyramid_save() writes a directory NAME.iso, complete or absent: in the library's header. */
 /* Loads all files and checks the sizes and the checksums that pyramid.json states. */
 iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err);
+/* Loads the files of the levels from `first` on; of the others only the outline. */
+iso_status iso_pyramid_load_from(const char *dir, size_t first, iso_pyramid *out, iso_error *err);
 /* Loads pyramid.json without samples: levels' scalar, codes and the rest are NULL. */
 iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error *err);
 /* Loads the outline and the levels' scalars, which transfer functions need. */

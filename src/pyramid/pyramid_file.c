@@ -226,7 +226,7 @@ static iso_status load_choice(iso_json_reader *r, const json_t *entry, size_t le
 }
 
 /* Parts of a pyramid to load besides pyramid.json. */
-typedef enum load_what { LOAD_OUTLINE, LOAD_SCALARS, LOAD_ALL } load_what;
+typedef enum load_what { LOAD_NO_FILE, LOAD_OUTLINE, LOAD_SCALARS, LOAD_ALL } load_what;
 
 static bool is_wanted(load_what what, int file)
 {
@@ -257,7 +257,7 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
     iso_status status = ISO_OK;
     iso_layout_files(opt, l->stored_type, files);
     files[FILE_SCALE].stored = json_object_get(list, files[FILE_SCALE].key) != NULL;
-    for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
+    for (int i = 0; i < FILE_COUNT && status == ISO_OK && what != LOAD_NO_FILE; ++i)
         if (files[i].stored)
             status = load_file(dir, &l->geometry, &files[i], r, list, is_wanted(what, i) ? &data[i] : NULL, err);
     l->labels = opt->scalar_filter == ISO_SCALAR_MAJORITY;
@@ -284,7 +284,9 @@ static void mark_levels(iso_pyramid *p)
     }
 }
 
-static iso_status load_levels(iso_json_reader *r, const char *dir, load_what what, const json_t *root, iso_pyramid *out)
+/* first: the finest level whose files are looked at. */
+static iso_status load_levels(iso_json_reader *r, const char *dir, load_what what, size_t first, const json_t *root,
+                              iso_pyramid *out)
 {
     iso_error *err = r->err;
     const char *source = NULL, *built_by = "";
@@ -316,7 +318,8 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu levels", r->path, count);
     mark_levels(out);
     for (size_t k = 0; k < count; ++k) {
-        iso_status status = load_level(r, dir, what, json_array_get(levels, k), &out->options, &out->levels[k]);
+        iso_status status = load_level(r, dir, k < first ? LOAD_NO_FILE : what, json_array_get(levels, k),
+                                       &out->options, &out->levels[k]);
         TRY(status, load_choice(r, json_array_get(levels, k), k, &out->options));
         if (status != ISO_OK)
             return status;
@@ -331,7 +334,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     return ISO_OK;
 }
 
-static iso_status load(const char *dir, load_what what, iso_pyramid *out, iso_error *err)
+static iso_status load(const char *dir, load_what what, size_t first, iso_pyramid *out, iso_error *err)
 {
     *out = (iso_pyramid){0};
     char *path = iso_path_join(dir, ISO_PYRAMID_MARKER);
@@ -341,7 +344,7 @@ static iso_status load(const char *dir, load_what what, iso_pyramid *out, iso_er
     iso_status status = iso_layout_load(path, &root, err);
     if (status == ISO_OK) {
         iso_json_reader r = {.path = path, .err = err};
-        status = load_levels(&r, dir, what, root, out);
+        status = load_levels(&r, dir, what, first, root, out);
     }
     json_decref(root);
     free(path);
@@ -352,17 +355,22 @@ static iso_status load(const char *dir, load_what what, iso_pyramid *out, iso_er
 
 iso_status iso_pyramid_load(const char *dir, iso_pyramid *out, iso_error *err)
 {
-    return load(dir, LOAD_ALL, out, err);
+    return load(dir, LOAD_ALL, 0, out, err);
+}
+
+iso_status iso_pyramid_load_from(const char *dir, size_t first, iso_pyramid *out, iso_error *err)
+{
+    return load(dir, LOAD_ALL, first, out, err);
 }
 
 iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error *err)
 {
-    return load(dir, LOAD_OUTLINE, out, err);
+    return load(dir, LOAD_OUTLINE, 0, out, err);
 }
 
 iso_status iso_pyramid_load_scalars(const char *dir, iso_pyramid *out, iso_error *err)
 {
-    return load(dir, LOAD_SCALARS, out, err);
+    return load(dir, LOAD_SCALARS, 0, out, err);
 }
 
 bool iso_pyramid_is_one(const char *path)

@@ -41,6 +41,7 @@ static iso_status set_up(pyramid_build *s, double *scale, const iso_progress *pr
     if (status != ISO_OK)
         return status;
     iso_stream_output_describe(&s->out, &s->header.geometry, s->header.type, s->opt);
+    iso_stream_output_begin_at(&s->out, s->how->first_level);
     s->out.direct = s->how->direct ||
                     iso_geometry_voxel_count(&s->header.geometry) * iso_type_bytes(s->header.type) >= DIRECT_BYTES;
     s->overlap = iso_stream_longest_warm_up(s);

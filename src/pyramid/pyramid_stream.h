@@ -32,6 +32,7 @@ typedef struct iso_stream_input {
 typedef struct iso_stream_options {
     size_t memory_bytes; /* of buffers; 0: as little as is fast */
     size_t max_slab;     /* planes; 0: as memory allows; at least as many as the levels need */
+    size_t first_level;  /* finest level whose files are written; from 1 on only iso_pyramid_load_from() reads them */
     bool resume;         /* resume a killed build of the same volume and options */
     bool direct;         /* write past the page cache, as large files are in any case */
     double save_seconds; /* between two notes of how far the build is; 0: one after each slab */

@@ -35,6 +35,13 @@ void iso_stream_output_describe(stream_output *o, const iso_geometry *geometry, 
     }
 }
 
+void iso_stream_output_begin_at(stream_output *o, size_t first)
+{
+    for (size_t k = 0; k < first && k < o->level_count; ++k)
+        for (int i = 0; i < FILE_COUNT; ++i)
+            o->levels[k].files[i].stored = false;
+}
+
 size_t iso_stream_file_plane_bytes(const stream_level *l, int i)
 {
     return l->geometry.size[0] * l->geometry.size[1] * l->files[i].components * iso_type_bytes(l->files[i].type);

@@ -58,6 +58,8 @@ typedef struct stream_output {
 /* Describes the levels by the options and the size; allocates no memory yet. */
 void iso_stream_output_describe(stream_output *o, const iso_geometry *g, iso_type input,
                                 const iso_pyramid_options *opt);
+/* Leaves out the files of the levels below `first`. */
+void iso_stream_output_begin_at(stream_output *o, size_t first);
 /* Returns the bytes of one plane of a level in each set; the bytes of one plane of a file. */
 size_t iso_stream_level_plane_bytes(const stream_level *l, const iso_pyramid_options *opt);
 size_t iso_stream_file_plane_bytes(const stream_level *l, int file);

@@ -1,20 +1,30 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
 #include "scene/subject.h"
 
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/path.h"
+#include "base/temporary.h"
 #include "pyramid/narrow.h"
+#include "pyramid/pyramid_stream.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 
-static iso_status load(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt, bool begin_only,
-                       const iso_progress *progress, iso_pyramid *p, iso_error *err)
+iso_status iso_subject_open(void *file, iso_volume_source **source, iso_error *err)
 {
-    *p = (iso_pyramid){0};
-    if (iso_pyramid_is_one(path))
-        return iso_pyramid_load(path, p, err);
+    const iso_subject_file *f = file;
+    return iso_volume_input_open(f->path, f->input, source, err);
+}
+
+/* Loads the volume of an open source, which it closes, and builds its pyramid. */
+static iso_status build(iso_volume_source *source, const char *path, const iso_volume_input *input,
+                        const iso_pyramid_options *opt, bool begin_only, const iso_progress *progress, iso_pyramid *p,
+                        iso_error *err)
+{
     iso_volume v;
-    iso_status status = iso_volume_input_load(path, input, &v, err);
+    iso_status status = iso_volume_input_load_source(source, path, input, &v, err);
     if (status != ISO_OK)
         return status;
     if (begin_only && !v.notes.label_count && iso_type_bytes(v.type) <= sizeof(float))
@@ -24,6 +34,87 @@ static iso_status load(const char *path, const iso_volume_input *input, const is
         own.scalar_filter = ISO_SCALAR_MAJORITY;
     status = iso_pyramid_build(&v, path, &own, p, progress, err);
     iso_volume_destroy(&v);
+    return status;
+}
+
+static iso_status load(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt, bool begin_only,
+                       const iso_progress *progress, iso_pyramid *p, iso_error *err)
+{
+    iso_volume_source *source;
+    *p = (iso_pyramid){0};
+    if (iso_pyramid_is_one(path))
+        return iso_pyramid_load(path, p, err);
+    const iso_status status = iso_volume_input_open(path, input, &source, err);
+    return status == ISO_OK ? build(source, path, input, opt, begin_only, progress, p, err) : status;
+}
+
+void iso_subject_coarse_destroy(iso_subject_coarse *coarse)
+{
+    if (coarse->temporary)
+        iso_remove_tree(coarse->temporary);
+    free(coarse->temporary);
+    free(coarse->folder);
+    *coarse = (iso_subject_coarse){0};
+}
+
+/* Builds the levels from 1 on in a temporary folder. */
+static iso_status build_coarse(const iso_subject_file *file, const iso_pyramid_options *opt,
+                               const iso_progress *progress, iso_subject_coarse *coarse, iso_error *err)
+{
+    iso_stream_report report;
+    iso_pyramid_options own = *opt;
+    size_t labels = 0;
+    const iso_stream_input in = {iso_subject_open, (void *)file, file->path};
+    const iso_stream_options how = {.first_level = 1};
+    coarse->temporary = iso_make_temp_dir();
+    coarse->folder = coarse->temporary ? iso_path_join(coarse->temporary, "coarse.iso") : NULL;
+    if (!coarse->folder)
+        return iso_temp_dir_fail(err);
+    iso_status status = iso_volume_input_labels(file->path, file->input, &labels, err);
+    own.scalar_filter = labels ? ISO_SCALAR_MAJORITY : own.scalar_filter;
+    TRY(status, iso_pyramid_stream(&in, &own, &how, coarse->folder, &report, progress, err));
+    return status;
+}
+
+/* Does iso_subject_load_coarse() for a volume. */
+static iso_status load_volume(const iso_subject_file *file, const iso_pyramid_options *opt, double most,
+                              const iso_progress *progress, iso_pyramid *p, iso_subject_coarse *coarse, iso_error *err)
+{
+    iso_volume_source *source;
+    const iso_status status = iso_volume_input_open(file->path, file->input, &source, err);
+    if (status != ISO_OK)
+        return status;
+    if ((double)iso_geometry_voxel_count(&iso_source_volume(source)->geometry) <= most)
+        return build(source, file->path, file->input, opt, false, progress, p, err);
+    iso_source_close(source);
+    return build_coarse(file, opt, progress, coarse, err);
+}
+
+/* Does iso_subject_load_coarse() for a pyramid on disk. */
+static iso_status load_folder(const char *path, double most, iso_pyramid *p, iso_subject_coarse *coarse, iso_error *err)
+{
+    iso_status status = iso_pyramid_load_outline(path, p, err);
+    if (status != ISO_OK)
+        return status;
+    const bool is_large = (double)iso_geometry_voxel_count(&p->levels[0].geometry) > most;
+    iso_pyramid_destroy(p);
+    if (!is_large)
+        return iso_pyramid_load(path, p, err);
+    coarse->folder = strdup(path);
+    return coarse->folder ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+}
+
+iso_status iso_subject_load_coarse(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
+                                   double most, const iso_progress *progress, iso_pyramid *p,
+                                   iso_subject_coarse *coarse, iso_error *err)
+{
+    *p = (iso_pyramid){0};
+    *coarse = (iso_subject_coarse){0};
+    iso_status status = iso_pyramid_is_one(path)
+                            ? load_folder(path, most, p, coarse, err)
+                            : load_volume(&(iso_subject_file){path, input}, opt, most, progress, p, coarse, err);
+    if (status == ISO_OK && coarse->folder)
+        status = iso_pyramid_load_from(coarse->folder, SIZE_MAX, p, err);
     return status;
 }
 
@@ -119,14 +210,28 @@ static iso_status frame_visible(const iso_subject_look *look, const iso_pyramid 
     iso_tf_table table = {0};
     iso_status status = iso_tf_tabulate(&scene->tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &level0->geometry, &table,
                                         err);
-    TRY(status, iso_scene_frame_visible(scene, level0, &table, look->threads, look->visible, err));
+    TRY(status, iso_scene_frame_visible(scene, iso_pyramid_finest(p), &table, look->threads, look->visible, err));
     iso_tf_table_destroy(&table);
+    return status;
+}
+
+/* Chooses the transfer function by the finest level that is loaded; its lengths are those of level 0. */
+static iso_status choose_tf(const iso_subject_look *look, const iso_pyramid *p, iso_tf *tf, iso_error *err)
+{
+    const iso_level *level0 = &p->levels[0], *seen = iso_pyramid_finest(p);
+    iso_survey *survey = NULL;
+    iso_status status = ISO_OK;
+    if (!look->survey && seen != level0 && iso_subject_look_needs_values(look))
+        status = iso_survey_make(seen, look->threads, &survey, err);
+    TRY(status,
+        iso_tf_of_level(look->tf, &look->request, survey ? survey : look->survey, level0, look->threads, tf, err));
+    free(survey);
     return status;
 }
 
 iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err)
 {
-    const iso_level *level0 = &p->levels[0];
+    const iso_level *level0 = &p->levels[0], *seen = iso_pyramid_finest(p);
     *scene = (iso_scene){0};
     iso_status status = look->scene ? iso_scene_load(look->scene, scene, err)
                                     : first_scene(look, &level0->geometry, scene, err);
@@ -136,9 +241,9 @@ iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyrami
         scene->zoom = look->zoom;
     if (status == ISO_OK && (look->tf || !look->scene)) {
         iso_tf_destroy(&scene->tf);
-        status = iso_tf_of_level(look->tf, &look->request, look->survey, level0, look->threads, &scene->tf, err);
+        status = choose_tf(look, p, &scene->tf, err);
     }
-    if (status == ISO_OK && !look->scene && !look->frames_box && (level0->scalar || level0->samples))
+    if (status == ISO_OK && !look->scene && !look->frames_box && (seen->scalar || seen->samples))
         status = frame_visible(look, p, scene, err);
     if (status != ISO_OK)
         iso_scene_destroy(scene);

@@ -16,12 +16,30 @@ enum { ISO_SUBJECT_PIXELS = 512 };
  * with `opt`; a pyramid keeps its own options. */
 iso_status iso_subject_load_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
                                     const iso_progress *progress, iso_pyramid *p, iso_error *err);
+/* Coarse levels on disk, of a volume whose level 0 is left out. */
+typedef struct iso_subject_coarse {
+    char *folder;    /* owned: for iso_pyramid_load_from(); NULL: nothing is left out */
+    char *temporary; /* owned: the folder around it, removed at the end; or NULL */
+} iso_subject_coarse;
+/* Loads a pyramid as above if level 0 has at most `most` voxels. Otherwise it loads the outline alone, for a choice of
+ * levels, and builds the levels of a volume from 1 on under $TMPDIR, in memory that does not grow with the volume. */
+iso_status iso_subject_load_coarse(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
+                                   double most, const iso_progress *progress, iso_pyramid *p,
+                                   iso_subject_coarse *coarse, iso_error *err);
+void iso_subject_coarse_destroy(iso_subject_coarse *coarse);
 /* Does the same for a picture of level 0 that may need only a part of it: a volume whose samples have at most 4 bytes
  * and are no labels becomes a pyramid of iso_pyramid_begin(). */
 iso_status iso_subject_begin_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
                                      const iso_progress *progress, iso_pyramid *p, iso_error *err);
 /* Refuses a label map with ISO_E_USAGE: `what`, an option or a command, would interpolate it. */
 iso_status iso_subject_refuse_labels(const iso_pyramid *p, const char *path, const char *what, iso_error *err);
+
+/* A file to build from, for iso_stream_input. */
+typedef struct iso_subject_file {
+    const char *path;
+    const iso_volume_input *input;
+} iso_subject_file;
+iso_status iso_subject_open(void *file, iso_volume_source **source, iso_error *err);
 
 /* Requested picture; each part is optional. Without a scene file it is a first picture (viewpoint.h) with a suggested
  * transfer function. tf, view, zoom and size override the scene. */
@@ -40,7 +58,7 @@ bool iso_subject_look_needs_values(const iso_subject_look *look);
 
 /* Checks all that is known before the volume is read: missing or damaged files, names, numbers. */
 iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err);
-/* Makes the scene for a pyramid; if it needs values, level 0 needs its scalar. */
+/* Makes the scene for a pyramid; if it needs values, a level needs its scalar. */
 iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err);
 iso_status iso_subject_make_view(const iso_subject_look *look, const iso_pyramid *p, iso_view *view, iso_error *err);
 

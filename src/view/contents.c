@@ -259,13 +259,13 @@ static iso_status add_level(const iso_viewer *v, size_t k, iso_small_views_fine 
 
 static iso_status add_presets(const iso_viewer *v, json_t *root, iso_error *err)
 {
-    const iso_level *level0 = &v->pyramid->levels[0];
+    const iso_level *level0 = &v->pyramid->levels[0], *seen = iso_pyramid_finest(v->pyramid);
     iso_survey *survey = NULL;
     json_t *list = json_array();
     json_object_set_new(root, "presets", list);
-    if (level0->labels || !level0->scalar)
+    if (seen->labels || !seen->scalar)
         return ISO_OK;
-    iso_status status = iso_survey_make(level0, v->threads, &survey, err);
+    iso_status status = iso_survey_make(seen, v->threads, &survey, err);
     for (size_t row = 0; row < iso_tf_preset_names.count && status == ISO_OK; ++row) {
         iso_tf tf = {0};
         const char *name = iso_names_name(&iso_tf_preset_names, row);
