@@ -506,6 +506,8 @@ def dicom_segments():
     same("seg.dcm", labels, unit="mm")
     about = run("info", "seg.dcm")
     expect("label map, 3 labels" in about.stdout, about.stdout)
+    named = ("label      1: liver\n", "label      2: vessel\n")
+    expect(all(line in about.stdout for line in named), about.stdout)
     encapsulated(d, "rle.dcm", "1.2.840.10008.1.2.5", rle)
     same("rle.dcm", labels)
     d = of_segments("seg.dcm", apart)
@@ -523,9 +525,12 @@ def dicom_segments():
     of_segments("fraction.dcm", apart, kind="FRACTIONAL", fraction=200)
     same("fraction.dcm", (apart["vessel"] * 200).astype(np.uint16), options=["--channel", "1"])
     # labels as samples
-    multiframe("map.dcm", labels, SegmentationType="LABELMAP", SOPClassUID="1.2.840.10008.5.1.4.1.1.66.7")
+    multiframe("map.dcm", labels, SegmentationType="LABELMAP", SOPClassUID="1.2.840.10008.5.1.4.1.1.66.7",
+               SegmentSequence=[item(SegmentNumber=2, SegmentLabel="vessel"), item(SegmentNumber=1, SegmentLabel="liver")])
     same("map.dcm", labels.astype(np.uint16))
-    expect("label map, 3 labels" in run("info", "map.dcm").stdout, "not a label map")
+    about = run("info", "map.dcm")
+    expect("label map, 3 labels" in about.stdout, "not a label map")
+    expect(all(line in about.stdout for line in named), about.stdout)
 
 
 # ---- Siemens mosaics ----

@@ -10,8 +10,10 @@
 #include "gl.h"
 
 #include "gradient/gradient_kernel.h"
+#include "pyramid/pyramid_verify.h"
 #include "render/cpu/caster.h"
 #include "render/reference.h"
+#include "scene/level_view.h"
 #include "tf/adapt.h"
 #include "tf/suggest.h"
 #include "volume/value_histogram.h"
@@ -25,9 +27,11 @@ static double ramp(size_t x, size_t y, size_t z)
     return 3 + 2 * (double)x + 0.5 * (double)y - 0.25 * (double)z;
 }
 
+static bool every_second; /* planes have data, instead of a half space */
+
 static bool is_there(size_t x)
 {
-    return x >= FIRST;
+    return every_second ? x % 2 == 1 : x >= FIRST;
 }
 
 /* Writes the ramp with NaN, and loads it. */
@@ -189,6 +193,9 @@ TEST(a_pyramid_keeps_it)
     OWNED(iso_pyramid) p = build_ramp(2), loaded;
     assert_ok(iso_pyramid_save(&p, path, &err));
     assert_ok(iso_pyramid_load(path, &loaded, &err));
+    iso_level_check checks[2];
+    assert_ok(iso_pyramid_verify(&loaded, 1, checks, NULL, &err));
+    assert_true(!checks[0].what && !checks[1].what);
     assert_true(loaded.levels[0].geometry.has_no_data && loaded.levels[1].geometry.has_no_data);
     assert_memory_equal(p.levels[1].scalar, loaded.levels[1].scalar,
                         iso_geometry_voxel_count(&p.levels[1].geometry) * sizeof(float));
@@ -215,33 +222,54 @@ TEST(histograms_and_surveys_leave_no_data_out)
 
 typedef enum caster { REFERENCE, CPU, OPENGL } caster;
 
-/* Returns the opacity of a ray along x through the middle. */
-static double middle_alpha(const iso_pyramid *p, const iso_view *view, caster with, bool exact)
+/* Renders with samples at the same places for all; the reference may be exact instead. */
+static iso_image draw(const iso_level *l, iso_code code, const iso_view *view, caster with, bool exact,
+                      iso_direction_source source)
 {
     iso_reference_options o = iso_reference_defaults();
     iso_cpu_options cpu = iso_cpu_defaults();
     iso_gl_options on_gl = iso_gl_defaults();
-    OWNED(iso_image) image;
-    const iso_level *l = &p->levels[0];
+    iso_image image;
     o.quadrature = exact ? o.quadrature : ISO_QUADRATURE_MIDPOINT;
+    o.source = cpu.source = on_gl.source = source;
     if (with == REFERENCE)
-        assert_ok(iso_reference_render(l, p->options.code, view, &o, &image, NULL, &err));
+        assert_ok(iso_reference_render(l, code, view, &o, &image, NULL, &err));
     else if (with == CPU)
-        assert_ok(iso_cpu_render(l, p->options.code, view, &cpu, &image, &err));
+        assert_ok(iso_cpu_render(l, code, view, &cpu, &image, &err));
     else
-        assert_ok(iso_gl_render(gl, l, p->options.code, view, &on_gl, &image, &err));
-    const double alpha = (double)image.rgba[4 * (image.width * (image.height / 2) + image.width / 2) + 3];
-    return alpha;
+        assert_ok(iso_gl_render(gl, l, code, view, &on_gl, &image, &err));
+    return image;
 }
 
-TEST_BETWEEN(all_renderers_show_the_part_with_data, open_gl, close_gl)
+/* Returns the opacity of a ray along x through the middle of a level. */
+static double level_alpha(const iso_pyramid *p, size_t level, const iso_view *view, caster with, bool exact)
 {
-    iso_tf_point points[] = {{0, {0.9, 0.3, 0.2}, 0.1}, {1, {0.2, 0.3, 0.9}, 0.1}};
-    OWNED(iso_pyramid) p = build_ramp(1);
+    OWNED(iso_image) image = draw(&p->levels[level], p->options.code, view, with, exact, ISO_FROM_CODES);
+    return (double)image.rgba[4 * (image.width * (image.height / 2) + image.width / 2) + 3];
+}
+
+static double middle_alpha(const iso_pyramid *p, const iso_view *view, caster with, bool exact)
+{
+    return level_alpha(p, 0, view, with, exact);
+}
+
+/* Looks along x at a volume of one opacity per mm. */
+static iso_scene even_scene(iso_tf_point points[2])
+{
+    points[0] = (iso_tf_point){0, {0.9, 0.3, 0.2}, 0.1};
+    points[1] = (iso_tf_point){1, {0.2, 0.3, 0.9}, 0.1};
     iso_scene scene = scene_of_points(points, 2);
     scene.camera_direction = iso_v3(1, 0, 0);
     scene.tf.unit_is_voxels = false;
     scene.width = scene.height = 9;
+    return scene;
+}
+
+TEST_BETWEEN(all_renderers_show_the_part_with_data, open_gl, close_gl)
+{
+    iso_tf_point points[2];
+    OWNED(iso_pyramid) p = build_ramp(1);
+    iso_scene scene = even_scene(points);
     OWNED(iso_view) view = view_of(&scene, &p);
     view.camera.orthographic = true;
     view.camera.half_height = 4;
@@ -256,6 +284,76 @@ TEST_BETWEEN(all_renderers_show_the_part_with_data, open_gl, close_gl)
     assert_within(samples, wanted, 1 - pow(0.9, length + 0.25) - wanted);
     assert_within(middle_alpha(&p, &view, CPU, false), samples, 5e-6);
     assert_within(middle_alpha(&p, &view, OPENGL, false), samples, 5e-6);
+}
+
+/* Of a level whose voxels all have data in one half, extinction is half that of the values: the scale's bytes hold
+ * powers of two exactly. */
+TEST_BETWEEN(levels_are_as_opaque_as_their_share_with_data, open_gl, close_gl)
+{
+    iso_tf_point points[2];
+    bool found;
+    every_second = true;
+    OWNED(iso_pyramid) p = build_ramp(2);
+    every_second = false;
+    iso_scene scene = even_scene(points);
+    OWNED(iso_view) view = view_of(&scene, &p);
+    view.camera.orthographic = true;
+    view.camera.half_height = 4;
+    assert_ok(iso_view_take_level(&view, &p, 1, &found, &err));
+    assert_true(!found && view.extinction_scale);
+    const double wanted = 1 - pow(0.9, 0.5 * NX);
+    assert_more_than(fabs(1 - pow(0.9, NX) - wanted), 0.2); /* the planted fault: no share */
+    assert_within(level_alpha(&p, 1, &view, REFERENCE, true), wanted, 5e-6); /* the reference's tolerance */
+    for (caster with = REFERENCE; with <= OPENGL; ++with) /* even extinction: samples are exact, rounding of floats */
+        assert_within(level_alpha(&p, 1, &view, with, false), wanted, 5e-6);
+}
+
+TEST_BETWEEN(differences_on_the_fly_are_one_sided, open_gl, close_gl)
+{
+    iso_tf_point points[] = {{0, {0.9, 0.3, 0.2}, 0.1}, {1, {0.2, 0.3, 0.9}, 0.4}};
+    OWNED(iso_pyramid) p = build_ramp(1);
+    iso_scene scene = scene_of_points(points, 2);
+    scene.width = scene.height = 15;
+    OWNED(iso_view) view = view_of(&scene, &p);
+    const iso_level *l = &p.levels[0];
+    OWNED(iso_image) wanted = draw(l, p.options.code, &view, REFERENCE, false, ISO_FROM_ON_THE_FLY);
+    for (caster with = CPU; with <= OPENGL; ++with) {
+        OWNED(iso_image) seen = draw(l, p.options.code, &view, with, false, ISO_FROM_ON_THE_FLY);
+        double most = 0;
+        for (size_t i = 0; i < 4 * seen.width * seen.height; ++i)
+            most = fmax(most, fabs((double)seen.rgba[i] - (double)wanted.rgba[i]));
+        assert_within(most, 0, 1e-5); /* floats; differences to the value that stands for no data are .05 off */
+    }
+}
+
+static double share_of_byte(uint8_t byte)
+{
+    return exp2(iso_extinction_scale_log2(byte));
+}
+
+TEST(shares_are_means_over_the_fine_voxels)
+{
+    OWNED(iso_pyramid) p = build_ramp(4);
+    char dir[] = "/tmp/isoshade-no-data-XXXXXX", path[64], command[96];
+    assert_non_null(mkdtemp(dir));
+    snprintf(path, sizeof path, "%s/a.iso", dir);
+    assert_ok(iso_pyramid_save(&p, path, &err));
+    OWNED(iso_pyramid) loaded;
+    assert_ok(iso_pyramid_load(path, &loaded, &err));
+    for (size_t k = 1; k < p.level_count; ++k) {
+        const iso_level *l = &p.levels[k];
+        const size_t *n = l->geometry.size, side = (size_t)1 << k, split = FIRST / side;
+        assert_non_null(l->scale);
+        for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i) {
+            const size_t x = i % n[0];
+            const double share = x == split ? (double)(side - FIRST % side) / (double)side : 1;
+            if (x >= split) /* half a step of the bytes: 2^(1/56) */
+                assert_within(share_of_byte(l->scale[i]) / share, 1, 0.0125);
+        }
+        assert_memory_equal(l->scale, loaded.levels[k].scale, iso_geometry_voxel_count(&l->geometry));
+    }
+    snprintf(command, sizeof command, "rm -r %s", dir);
+    assert_int_equal(system(command), 0);
 }
 
 TEST(tables_end_below_the_values)

@@ -62,7 +62,7 @@ static void describe(sequence_job *job, const iso_pyramid *p)
     json_object_set_new(job->about, "sequence", json_integer((json_int_t)s->count));
     json_object_set_new(job->about, "tf",
                         iso_blender_describe_one_tf(s->view, s->level, s->level_count, job->space.units));
-    json_object_set_new(job->about, "extinction_scale", json_false());
+    json_object_set_new(job->about, "extinction_scale", json_boolean(g->has_no_data));
     iso_blender_scale_directions(job->about, job->opt, iso_vdb_direction_scale(p->options.code));
     json_object_set_new(job->about, "film_transparent", json_false());
     json_object_set_new(job->about, "source", iso_blender_text(iso_provenance_name(p->source), 1000));

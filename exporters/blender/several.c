@@ -57,7 +57,7 @@ static json_t *describe(const several_job *job, const iso_pyramid *p, const iso_
         describe_level(job, p, view, name, k, levels);
     json_object_set_new(about, "levels", levels);
     json_object_set_new(about, "tf", iso_blender_describe_one_tf(view, s->level, s->level_count, job->space.units));
-    json_object_set_new(about, "extinction_scale", json_false());
+    json_object_set_new(about, "extinction_scale", json_boolean(g->has_no_data));
     json_object_set_new(about, "film_transparent", json_false());
     json_object_set_new(about, "source", iso_blender_text(iso_provenance_name(p->source), 1000));
     json_object_set_new(about, "unit", json_string(p->unit.name));

@@ -38,7 +38,7 @@ static iso_status check(const iso_level *level, const iso_view *view, iso_error 
 {
     const char *what = view->clip_count > 0           ? "clip planes"
                        : view->tf_2d                  ? "a 2D transfer function"
-                       : view->extinction_scale       ? "extinction scales"
+                       : view->extinction_scale       ? "extinction scales, which coarse levels with gaps have, too"
                        : view->roi                    ? "a region of interest"
                        : level->labels                ? "a label map"
                        : is_sheared(&level->geometry) ? "a sheared grid"

@@ -59,7 +59,8 @@ static iso_status write_vdb(const iso_export_job *job, iso_error *err)
         const bool sparse = (job->is_shown || job->background) && !job->dense;
         o.shown = sparse ? l->shown : NULL;
         o.half_directions = sparse && !job->float_directions;
-        for (size_t k = 0; k < job->level_count && !o.extinction_scale; ++k)
+        const bool has_shares = job->pyramid->levels[0].geometry.has_no_data; /* each level adds its own */
+        for (size_t k = 0; k < job->level_count && !o.extinction_scale && !has_shares; ++k)
             o.extinction_scale = l->views[k].extinction_scale; /* refused if there are more levels */
         status = iso_vdb_save(job->pyramid, job->level, job->level_count, job->output, &o, job->progress, err);
     }

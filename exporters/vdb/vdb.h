@@ -59,7 +59,8 @@ typedef struct iso_vdb_options {
     const uint8_t *tf_2d; /* of one level, one byte per voxel: adds a float grid "second_value" of byte / 255; or
                            * NULL */
     const uint8_t
-        *extinction_scale; /* same layout: adds a float grid "log2_extinction_scale", 0 for scale 1; or NULL */
+        *extinction_scale; /* same layout: adds a float grid "log2_extinction_scale", 0 for scale 1; or NULL: levels
+                            * with has_no_data add theirs */
     size_t pad_voxels; /* rim of edge values around the level, for renderers that fade at the border. Voxel 0 then gets
                         * index pad_voxels + 1, so that no renderer that adds a voxel sees negative indices */
     const iso_vdb_shown *shown; /* one per saved level: leaves other voxels out; NULL: keeps all. Not for label maps */

@@ -260,7 +260,9 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
                              .volume = opt->volume,
                              .code = code,
                              .tf_2d = opt->tf_2d,
-                             .extinction_scale = opt->extinction_scale,
+                             .extinction_scale = !opt->extinction_scale && level->geometry.has_no_data
+                                                     ? level->scale
+                                                     : opt->extinction_scale,
                              .direction_scale = opt->half_directions ? (float)iso_vdb_direction_scale(code) : 1};
     iso_vdb_source source = iso_vdb_describe(&level->geometry, p->source, opt);
     source.pad = opt->pad_voxels;
@@ -286,7 +288,7 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
     const grid_readers readers = {.scalar = read_scalar,
                                   .directions = opt->gradient ? read_directions : NULL,
                                   .tf_2d = opt->tf_2d ? read_tf_2d : NULL,
-                                  .log2_scale = opt->extinction_scale ? read_log2_scale : NULL,
+                                  .log2_scale = grids->extinction_scale ? read_log2_scale : NULL,
                                   .kept = sparse ? read_kept : NULL,
                                   .lit = sparse ? read_lit : NULL,
                                   .prepare = makes_codes ? prepare_directions : NULL,

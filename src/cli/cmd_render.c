@@ -190,7 +190,8 @@ static iso_status enlarge(const iso_image *small, size_t shift, size_t width, si
 /* True if the scene is the same at every level. */
 static bool may_coarsen(const iso_render_request *q)
 {
-    return q->options->source == ISO_FROM_CODES && !q->view->tf_2d && !q->view->extinction_scale && !q->view->roi;
+    return q->options->source == ISO_FROM_CODES && !q->view->tf_2d && !q->view->extinction_scale && !q->view->roi &&
+           !q->pyramid->levels[0].geometry.has_no_data;
 }
 
 /* Draws a part of the pixels, from a coarser level if there is one, and saves them as the whole picture. */

@@ -122,6 +122,10 @@ iso_status iso_cli_render_paged(const iso_render_arguments *a, const iso_cli *cl
     iso_status status = check(a, cli, err);
     TRY(status, iso_pyramid_load_outline(cli->arguments[0], &pyramid, err));
     TRY(status, iso_pyramid_check_level(&pyramid, cli->arguments[0], (size_t)a->level, err));
+    if (status == ISO_OK && pyramid.levels[0].geometry.has_no_data && (a->level > 0 || a->refine))
+        status = iso_fail(err, ISO_E_RANGE,
+                          "%s: some voxels have no data, which --memory renders at level 0 alone; leave it out",
+                          cli->arguments[0]);
     TRY(status, make_view(a, cli, &pyramid, &view, err));
     const size_t last = (size_t)a->level, first = a->refine && pyramid.level_count ? pyramid.level_count - 1 : last;
     for (size_t k = first + 1; k-- > last && status == ISO_OK;)

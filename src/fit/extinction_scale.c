@@ -404,7 +404,7 @@ iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const 
     iso_status status = iso_level_look(p, level, original, &look, &is_made_for, err);
     if (status == ISO_OK && !(*bytes = malloc(iso_geometry_voxel_count(&l->geometry))))
         status = iso_fail(err, ISO_E_MEMORY, "extinction scale: no memory for one byte per voxel");
-    if (status == ISO_OK && (is_made_for || l->is_optimized)) {
+    if (status == ISO_OK && (is_made_for || l->is_optimized || l->geometry.has_no_data)) {
         copy_own(l, *bytes);
     } else if (status == ISO_OK) {
         status = iso_extinction_scaler_create(&p->levels[0], l, level, threads, &s, err);

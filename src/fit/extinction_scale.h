@@ -32,29 +32,6 @@
 #include "pyramid/pyramid.h"
 #include "tf/tf.h"
 
-enum {
-    ISO_EXTINCTION_SCALE_ONE = 168,       /* the byte of q = 1 */
-    ISO_EXTINCTION_SCALE_PER_OCTAVE = 28, /* bytes from q to 2 q */
-    ISO_EXTINCTION_SCALE_LAST = 252       /* the largest byte */
-};
-
-/* Returns log2 q of a byte, or of a value between bytes. */
-static inline double iso_extinction_scale_log2(double byte)
-{
-    return (byte - ISO_EXTINCTION_SCALE_ONE) / ISO_EXTINCTION_SCALE_PER_OCTAVE;
-}
-static inline double iso_extinction_scale_of(double byte)
-{
-    return exp2(iso_extinction_scale_log2(byte));
-}
-
-/* Returns the byte nearest to log2 q. */
-static inline uint8_t iso_extinction_scale_byte(double octaves)
-{
-    const double byte = round(ISO_EXTINCTION_SCALE_ONE + ISO_EXTINCTION_SCALE_PER_OCTAVE * octaves);
-    return (uint8_t)fmin(fmax(byte, 0), ISO_EXTINCTION_SCALE_LAST);
-}
-
 /* The part that does not depend on the transfer function, made once per level: an edit then costs rounds over the
  * visible voxels. */
 typedef struct iso_extinction_scaler iso_extinction_scaler;

@@ -169,12 +169,18 @@ iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const 
     iso_tf_table original = {0};
     bool is_made_for = false;
     const iso_level *l = level < p->level_count ? &p->levels[level] : NULL;
+    const bool has_share = l && l->scale && l->geometry.has_no_data;
     iso_status status = check_together(a, err);
-    if (status == ISO_OK && !a->tf_2d && l)
-        status = iso_view_take_level(view, p, level, &is_made_for, err);
+    if (status == ISO_OK && a->extinction_scale && l && l->geometry.has_no_data)
+        return iso_fail(err, ISO_E_RANGE,
+                        "some voxels have no data, and the share that has scales the extinction of coarse levels; "
+                        "leave out --extinction-scale");
+    if (status == ISO_OK && l)
+        status = a->tf_2d ? has_share ? iso_view_take_scale(view, l, err) : ISO_OK
+                          : iso_view_take_level(view, p, level, &is_made_for, err);
     if (status != ISO_OK || is_made_for)
         return status;
-    if (l && (l->made_for_scene || l->scale))
+    if (l && (l->made_for_scene || l->scale) && !has_share)
         warn_of_other_tf(a, p, level);
     const bool scales = a->extinction_scale || (l && l->is_optimized && l->scale);
     if (scales)

@@ -301,6 +301,9 @@ iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *
 {
     iso_scene_level own[32];
     iso_level_gate gate;
+    if (p->levels[0].geometry.has_no_data)
+        return iso_fail(err, ISO_E_RANGE,
+                        "some voxels have no data: levels cannot be made for a scene; leave out --for");
     json_t *list = json_array();
     levels = levels ? levels : own;
     iso_status status = iso_level_gate_open(&gate, p, scene, threads, err);

@@ -265,6 +265,7 @@ static iso_status build(const iso_volume *v, bool narrow, const char *source, co
         measure_level0(v, opt, &out->levels[0]);
     else
         status = build_levels(v, iso_cascade_scale(&v->geometry, range), narrow, out, progress, err);
+    TRY(status, iso_pyramid_scale_by_share(out, v, err));
     iso_pyramid_share_segments(out);
     if (status != ISO_OK)
         iso_pyramid_destroy(out);

@@ -31,6 +31,8 @@
 #ifndef ISO_PYRAMID_H
 #define ISO_PYRAMID_H
 
+#include <math.h>
+
 #include <jansson.h>
 
 #include "base/names.h"
@@ -108,6 +110,30 @@ iso_direction_filter iso_direction_filter_of(const iso_pyramid_options *opt, siz
 iso_status iso_scalar_filter_from_name(const char *name, iso_scalar_filter *f, iso_error *err);
 iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter *f, iso_error *err);
 
+/* Bytes of iso_level.scale. */
+enum {
+    ISO_EXTINCTION_SCALE_ONE = 168,       /* the byte of q = 1 */
+    ISO_EXTINCTION_SCALE_PER_OCTAVE = 28, /* bytes from q to 2 q */
+    ISO_EXTINCTION_SCALE_LAST = 252       /* the largest byte */
+};
+
+/* Returns log2 q of a byte, or of a value between bytes. */
+static inline double iso_extinction_scale_log2(double byte)
+{
+    return (byte - ISO_EXTINCTION_SCALE_ONE) / ISO_EXTINCTION_SCALE_PER_OCTAVE;
+}
+static inline double iso_extinction_scale_of(double byte)
+{
+    return exp2(iso_extinction_scale_log2(byte));
+}
+
+/* Returns the byte nearest to log2 q. */
+static inline uint8_t iso_extinction_scale_byte(double octaves)
+{
+    const double byte = round(ISO_EXTINCTION_SCALE_ONE + ISO_EXTINCTION_SCALE_PER_OCTAVE * octaves);
+    return (uint8_t)fmin(fmax(byte, 0), ISO_EXTINCTION_SCALE_LAST);
+}
+
 typedef struct iso_level {
     iso_geometry geometry;
     iso_type stored_type;      /* of the scalar on disk */
@@ -119,7 +145,7 @@ typedef struct iso_level {
     float *directions;         /* 3 floats per voxel before encoding, or NULL */
     float *magnitude;          /* 1 float per voxel, or NULL */
     uint8_t *scale;            /* of the extinction (fit/extinction_scale.h), 1 byte per voxel, of a level that was made
-                                * for a scene; or NULL */
+                                * for a scene, or of one with has_no_data (data_share.c); or NULL */
     double min, max;           /* of the scalar */
     bool labels;               /* looked up without interpolation: the value of the voxel that holds a point */
     const json_t *segments;    /* borrowed: the pyramid's */

@@ -93,7 +93,7 @@ static iso_status save_into(const iso_pyramid *p, const char *dir, iso_error *er
         const void *data[FILE_COUNT] = {l->scalar, l->codes, l->directions, l->magnitude, l->scale};
         level_file files[FILE_COUNT];
         iso_layout_files(&p->options, l->stored_type, files);
-        files[FILE_SCALE].stored = l->scale != NULL;
+        files[FILE_SCALE].stored = l->scale && !l->geometry.has_no_data;
         for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
             if (files[i].stored)
                 status = save_file(dir, &l->geometry, k, &files[i], data[i], err);
@@ -331,7 +331,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
                             k);
     }
     iso_pyramid_share_segments(out);
-    return ISO_OK;
+    return what == LOAD_OUTLINE ? ISO_OK : iso_pyramid_scale_by_share(out, NULL, err);
 }
 
 static iso_status load(const char *dir, load_what what, size_t first, iso_pyramid *out, iso_error *err)

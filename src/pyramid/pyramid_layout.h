@@ -53,6 +53,9 @@ iso_status iso_layout_save(const char *dir, const char *source, const iso_pyrami
                            const iso_pyramid_options *opt, json_t *levels, const iso_pyramid *of, iso_error *err);
 /* Gives each level the pyramid's segments, borrowed. */
 void iso_pyramid_share_segments(iso_pyramid *p);
+/* Gives coarse levels of a volume with voxels without data their scale (data_share.c), which files leave out. volume:
+ * level 0's samples, if it has none. ISO_E_MEMORY. */
+iso_status iso_pyramid_scale_by_share(iso_pyramid *p, const iso_volume *volume, iso_error *err);
 /* Writes numbers with 17 digits, so that they are read back exactly. */
 iso_status iso_layout_save_json(const char *dir, const char *name, const json_t *root, iso_error *err);
 

@@ -9,6 +9,7 @@
 
 #include "pyramid/agreement.h"
 #include "pyramid/cascade.h"
+#include "pyramid/filter_kernel.h"
 
 enum { MAX_LEVELS = 32 };
 
@@ -38,14 +39,13 @@ static void end_rebuild(rebuild *r)
 static iso_status find_scale(const iso_level *l, double *scale, iso_error *err)
 {
     const size_t bytes = iso_type_bytes(l->stored_type);
-    double lo = INFINITY, hi = -INFINITY;
-    for (size_t i = 0; bytes > 2 && i < iso_geometry_voxel_count(&l->geometry); ++i) {
+    const size_t count = iso_geometry_voxel_count(&l->geometry);
+    float lo = INFINITY, hi = -INFINITY;
+    for (size_t i = 0; bytes > 2 && i < count; ++i)
         if (!isfinite(l->scalar[i]))
             return iso_fail(err, ISO_E_RANGE, "level 0: voxel %zu is not finite", i);
-        lo = fmin(lo, (double)l->scalar[i]);
-        hi = fmax(hi, (double)l->scalar[i]);
-    }
-    *scale = iso_cascade_scale(&l->geometry, bytes == 1 ? 255 : bytes == 2 ? 65535 : hi - lo);
+    iso_row_range(l->scalar, bytes > 2 ? count : 0, &lo, &hi);
+    *scale = iso_cascade_scale(&l->geometry, bytes == 1 ? 255 : bytes == 2 ? 65535 : (double)hi - (double)lo);
     return ISO_OK;
 }
 

@@ -80,8 +80,8 @@ const uint8_t *iso_level_own_scale(const iso_pyramid *p, size_t level, const iso
 {
     iso_tf_table own = {0};
     bool found = false;
-    if (!p->levels[level].scale)
-        return NULL;
+    if (!p->levels[level].scale || p->levels[level].geometry.has_no_data)
+        return p->levels[level].scale;
     const iso_status status = iso_level_look(p, level, tf, &own, &found, NULL);
     iso_tf_table_destroy(&own);
     return status == ISO_OK && found ? p->levels[level].scale : NULL;

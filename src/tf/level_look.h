@@ -19,7 +19,8 @@ iso_status iso_level_scene_tf(const iso_pyramid *p, iso_tf_table *tf, iso_error 
 iso_status iso_level_look(const iso_pyramid *p, size_t level, const iso_tf_table *tf, iso_tf_table *own, bool *found,
                           iso_error *err);
 
-/* Returns the level's extinction scale, borrowed; NULL if it has none or was not made for tf. */
+/* Returns the level's extinction scale, borrowed; NULL if it has none or was not made for tf. The share of voxels with
+ * data is for any tf. */
 const uint8_t *iso_level_own_scale(const iso_pyramid *p, size_t level, const iso_tf_table *tf);
 
 /* Returns a new object for a level of made_for. */

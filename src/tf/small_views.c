@@ -138,13 +138,16 @@ static double add_step(const double rgbs[4], double length_mm, double pixel[4])
     return seen;
 }
 
-/* Looks up the coarse level at a place through transfer function i: color and extinction. */
+/* Looks up the coarse level at a place through transfer function i: color and extinction. Of the level's own scales only
+ * the share of voxels with data counts. */
 static void look_up(const iso_small_views_input *in, size_t i, const place *p, double value, double rgbs[4])
 {
     if (in->tfs_2d[i])
         iso_tf_2d_lookup(in->tfs_2d[i], value, iso_tf_2d_row_of(sample_bytes(in->tfs_2d[i]->bytes, p)), rgbs);
     else
         iso_tf_lookup(in->tfs[i], value, rgbs);
+    if (in->coarse->geometry.has_no_data && in->coarse->scale && rgbs[3] > 0)
+        rgbs[3] *= iso_extinction_scale_of(sample_bytes(in->coarse->scale, p));
     if (in->octaves[i] && rgbs[3] > 0)
         rgbs[3] *= exp2(sample(in->octaves[i], p));
 }

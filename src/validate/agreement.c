@@ -222,8 +222,16 @@ static iso_status agree_at(iso_validation *v, size_t level, void *unused, iso_er
     const bool samples = v->agreement_part != ISO_VALIDATE_LIMITS, limits = v->agreement_part != ISO_VALIDATE_SAMPLES;
     if (v->scene->agreement.tier == ISO_TIER_FIRST_HIT)
         return samples ? first_hits(v, level, err) : ISO_OK;
-    const iso_status status = samples ? lock_steps(v, level, true, err) : ISO_OK;
-    return status == ISO_OK && limits ? iso_validate_limits_at(v, level, err) : status;
+    const iso_level *l = &v->pyramid->levels[level];
+    const iso_view *whole = v->view;
+    iso_view shown = *whole;
+    if (l->geometry.has_no_data)
+        shown.extinction_scale = l->scale;
+    v->view = &shown;
+    iso_status status = samples ? lock_steps(v, level, true, err) : ISO_OK;
+    TRY(status, limits ? iso_validate_limits_at(v, level, err) : ISO_OK);
+    v->view = whole;
+    return status;
 }
 
 /* Compares by the same samples if they are known, otherwise by the limit, which takes many times as long. */

@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/process.h"
+#include "scene/level_view.h"
 
 enum { MOST_PIXELS = 64 }; /* along a side of the picture in a report */
 
@@ -32,8 +33,9 @@ static iso_status copy_view(const iso_view *from, iso_view *to, iso_error *err)
 
 static iso_status view_of_level(const iso_export_job *job, size_t level, iso_view *view, iso_error *err)
 {
-    (void)level;
-    return copy_view(job->user, view, err);
+    const iso_level *l = &job->pyramid->levels[level];
+    const iso_status status = copy_view(job->user, view, err);
+    return status == ISO_OK && l->geometry.has_no_data ? iso_view_take_scale(view, l, err) : status;
 }
 
 static iso_status export_and_open(const iso_artefact *a, const char *here, const char *there, iso_image *picture,
@@ -187,6 +189,9 @@ iso_status iso_validate_artefacts(iso_validation *v, iso_error *err)
     const size_t longest = view.width > view.height ? view.width : view.height;
     iso_status status = ISO_OK;
     bool asked = false, late = false;
+    const iso_level *coarsest = &v->pyramid->levels[v->pyramid->level_count - 1];
+    if (coarsest->geometry.has_no_data)
+        view.extinction_scale = coarsest->scale;
     for (size_t i = 0; i < iso_export_target_names.count; ++i)
         asked = asked || renderer_of(v, iso_export_target_at(i));
     if (asked && v->scene->agreement.tier == ISO_TIER_FIRST_HIT)

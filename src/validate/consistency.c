@@ -52,7 +52,7 @@ iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, co
         shown.tf = s->use == ISO_USE_SCALED ? own->scaled_table : own->table;
     if (s->use == ISO_USE_SCALED)
         shown.extinction_scale = own->extinction_scale;
-    else if (s->use == ISO_USE_ADAPTED && p == v->pyramid)
+    else if ((s->use == ISO_USE_ADAPTED && p == v->pyramid) || v->pyramid->levels[0].geometry.has_no_data)
         shown.extinction_scale = (uint8_t *)(uintptr_t)own->own_scale; /* borrowed */
     if (status == ISO_OK)
         status = iso_render_with(&(iso_render_request){&v->renderers, p, s->level, &shown, &opt, NULL}, image, NULL,

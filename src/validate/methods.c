@@ -126,17 +126,19 @@ static iso_status all_tfs(iso_validation *v, size_t level, void *user, iso_error
     const iso_pyramid *p = made->pyramid;
     const iso_method *m = made->method;
     const bool covered = p == v->pyramid && m->source == ISO_FROM_CODES; /* by the agreement itself */
+    const bool has_share = p->levels[level].geometry.has_no_data; /* the own scale, for any transfer function */
     iso_view view = iso_validate_small_view(v->view, ISO_VALIDATE_METHOD_PIXELS);
     iso_status status = ISO_OK;
+    uint8_t *own_scale = (uint8_t *)(uintptr_t)v->level_tfs[level].own_scale; /* borrowed, as the table */
+    view.extinction_scale = has_share ? own_scale : NULL;
     if (!covered)
         status = compare(v, p, m, level, &view, &original_tf, err);
     view.tf = v->level_tfs[level].table;
-    if (p == v->pyramid)
-        view.extinction_scale = (uint8_t *)(uintptr_t)v->level_tfs[level].own_scale; /* borrowed, as the table */
+    view.extinction_scale = p == v->pyramid || has_share ? own_scale : NULL;
     if (status == ISO_OK && !v->level_tfs[level].judgment.use_original)
         status = compare(v, p, m, level, &view, &adapted_tf, err);
-    view.extinction_scale = NULL;
-    if (status == ISO_OK && covered && level > 0)
+    view.extinction_scale = has_share ? own_scale : NULL;
+    if (status == ISO_OK && covered && level > 0 && !has_share)
         status = compare_scaled(v, p, m, level, &view, err);
     const bool has_2d = covered && level > 0 && !p->levels[0].labels; /* labels have no second value */
     for (int second = ISO_SECOND_VALUE_DEVIATION;

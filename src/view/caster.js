@@ -97,6 +97,9 @@ const makeCaster = (context, data) => {
         const factor = range > 0 ? 0.5 * scalar.perTexel * Math.min(...spacings(g)) / range : 0;
         program.mat3('gradient_to_world', transpose(inverse(g.index_to_world)).map(row => scale(row, factor)));
         program.float('on_the_fly_eps', onTheFlyEps);
+        program.int('extinction_scale', 8);
+        program.float('octaves_per_texel', 1 / scaleBytes.perOctave);
+        program.float('octaves_offset', -scaleBytes.one / scaleBytes.perOctave);
     };
     const bind = (unit, kind, texture) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(kind, texture); };
 
@@ -109,7 +112,7 @@ const makeCaster = (context, data) => {
             DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR', OUTPUT: 'OUTPUT_INTEGRAL', LIGHT_COUNT: q.lights.length,
             SPECULAR: Number((q.shading.specular ?? 0) > 0), SHADE_TABLE: 0, SKIP_EMPTY: Number(skip), SCREEN_TILE: 0,
             PREINTEGRATED: 0, EXACT: 0, ROI: Number(Boolean(q.roi)), BRICKS: Number(Boolean(level.isPlan)), TF_2D_ROWS: 0,
-            EXTINCTION_SCALE: 'SCALE_NONE', SCALAR_WITH_DIRECTIONS: 0, PAGES: 1, FILTERED_BY_HAND: byHand ? 1 : undefined,
+            EXTINCTION_SCALE: level.share ? 'SCALE_ALONE' : 'SCALE_NONE', SCALAR_WITH_DIRECTIONS: 0, PAGES: 1, FILTERED_BY_HAND: byHand ? 1 : undefined,
         }];
     };
     // A brick may be empty in one level of two only.
@@ -139,6 +142,7 @@ const makeCaster = (context, data) => {
         if (code) bind(2, gl.TEXTURE_3D, code.texture.texture);
         if (vectors) bind(2, gl.TEXTURE_3D, vectors);
         if (skip) bind(3, gl.TEXTURE_3D, table.occupancy);
+        if (level.share) bind(8, gl.TEXTURE_3D, level.shareTexture ??= uploadShare(context, level));
         if (level.isPlan) bind(7, gl.TEXTURE_3D, level.layoutTexture ??= uploadLayout(context, level));
         if (fine) {
             setRoi(program, q, fine.scalar, fine.table);
@@ -164,7 +168,8 @@ const makeCaster = (context, data) => {
         for (const l of levels) {
             for (const t of [l.scalarTexture, ...l.codes.map(c => c.texture)]) if (t) gl.deleteTexture(t.texture);
             if (l.layoutTexture) gl.deleteTexture(l.layoutTexture);
-            l.scalarTexture = l.layoutTexture = undefined;
+            if (l.shareTexture) gl.deleteTexture(l.shareTexture);
+            l.scalarTexture = l.layoutTexture = l.shareTexture = undefined;
             for (const code of l.codes) code.texture = undefined;
         }
     };

@@ -71,6 +71,12 @@ static uint32_t code_byte(const void *of, size_t i, size_t c)
     return ((const uint8_t *)of)[3 * i + c];
 }
 
+static uint32_t byte(const void *of, size_t i, size_t c)
+{
+    (void)c;
+    return ((const uint8_t *)of)[i];
+}
+
 static uint32_t word(const void *of, size_t i, size_t c)
 {
     (void)c;
@@ -108,6 +114,20 @@ static iso_status add_scalar(const iso_viewer *v, size_t k, iso_contents *conten
     return iso_contents_add_array(contents, name,
                      &(iso_pack_array){iso_geometry_voxel_count(&level->geometry), 1, f.width, scalar_number, &f},
                      scalar, err);
+}
+
+/* Adds the extinction scales of a level of which some voxels have no data (pyramid/data_share.c). */
+static iso_status add_share(const iso_viewer *v, size_t k, iso_contents *contents, json_t *json, iso_error *err)
+{
+    const iso_level *level = &v->pyramid->levels[k];
+    char name[48];
+    if (!level->scale || !level->geometry.has_no_data)
+        return ISO_OK;
+    json_t *share = json_object();
+    json_object_set_new(json, "share", share);
+    snprintf(name, sizeof name, "level-%zu-share", k);
+    return iso_contents_add_array(contents, name,
+                     &(iso_pack_array){iso_geometry_voxel_count(&level->geometry), 1, 1, byte, level->scale}, share, err);
 }
 
 /* ---- directions --------------------------------------------------------------------------------------------------- */
@@ -249,6 +269,7 @@ static iso_status add_level(const iso_viewer *v, size_t k, iso_small_views_fine 
                                            level->max, "labels", level->labels));
     json_array_append_new(list, json);
     iso_status status = add_scalar(v, k, contents, json, err);
+    TRY(status, add_share(v, k, contents, json, err));
     TRY(status, add_codes(v, k, contents, json, err));
     TRY(status, add_joint(v, k, contents, json, err));
     TRY(status, add_errors(v, k, kept, json, err));

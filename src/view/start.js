@@ -20,7 +20,7 @@ const start = async () => {
     const context = await makeContext(canvas);
     if (!context) { say('This browser has no WebGL2, or it is switched off: the volume cannot be drawn here.'); return; }
     const state = makeState(data), caster = makeCaster(context, data);
-    const packed = () => data.levels.flatMap(l => [l.scalar, ...l.codes, ...(l.joint ? [l.joint] : []), ...(l.layout ? [l.layout] : [])]).reduce((sum, d) => sum + d.packed, 0);
+    const packed = () => data.levels.flatMap(l => [l.scalar, ...l.codes, l.share, l.joint, l.layout].filter(Boolean)).reduce((sum, d) => sum + d.packed, 0);
     const pageBytes = packed() * 4 / 3 + 16e4; // base64; the page itself
     let controls = null, outline = null, slices = null, edits = null, noted = 0;
     const noteSoon = () => {
@@ -49,6 +49,7 @@ const start = async () => {
         if (level.isPlan) return readPlan(level, read);
         const {numbers, ranges} = await read(level.scalar, level.size);
         for (const code of level.codes) code.numbers = (await read(code)).numbers;
+        if (level.share) level.share.numbers = (await read(level.share)).numbers;
         if (level.joint) level.adapter = makeAdapter((await read(level.joint)).numbers, level.joint);
         await caster.prepare(level, numbers, state.code);
         Object.assign(level, {numbers, ranges}); // shown from now on

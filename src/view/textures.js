@@ -77,6 +77,14 @@ const uploadCodes = function* (context, level, code) {
     return {texture, scale: signed ? 1 / 127 : 2 / 255, offset: signed ? 0 : -1, bytes: 2 * bytes.length};
 };
 
+// Bytes as they are: scaleBytes has their meaning.
+const scaleBytes = {one: 168, perOctave: 28}; // ISO_EXTINCTION_SCALE_...
+const uploadShare = (context, level) => {
+    const {gl} = context, texture = context.volume(8, gl.R16F, level.size);
+    allSteps(fillSlabs(gl, texture, level.size, 1, gl.RED, gl.HALF_FLOAT, (a, b) => halvesOf(level.share.numbers, a, b)));
+    return texture;
+};
+
 const uploadVectors = (context, level) => {
     const {gl} = context, texture = context.volume(2, gl.RGB32F, level.size);
     allSteps(fillSlabs(gl, texture, level.size, 3, gl.RGB, gl.FLOAT, (a, b) => level.vectors.subarray(a, b)));

@@ -20,6 +20,7 @@
 #include "volume/child_check.h"
 #include "volume/child_start.h"
 #include "volume/child_stream.h"
+#include "volume/segments.h"
 
 typedef struct child {
     iso_child_process process;
@@ -128,6 +129,16 @@ static iso_status take_units(iso_volume_source *source, const iso_child_header *
     return status;
 }
 
+/* Returns the names of a label map's segments; NULL if there are none. */
+static json_t *list_segments(const iso_child_header *h)
+{
+    json_t *list = h->is_labels && h->segment[0].name[0] ? json_array() : NULL;
+    for (size_t s = 0; list && s < ISO_CHILD_SEGMENTS && h->segment[s].name[0]; ++s)
+        json_array_append_new(list, json_pack("{s:i, s:o}", "label", (int)h->segment[s].label, "name",
+                                              iso_segments_text(h->segment[s].name)));
+    return list;
+}
+
 static void take_geometry(const iso_child_header *h, const double mm[3], iso_volume *header)
 {
     iso_geometry *g = &header->geometry;
@@ -146,6 +157,7 @@ static void take_geometry(const iso_child_header *h, const double mm[3], iso_vol
     header->type = h->type;
     header->notes.world_is_ras = h->world == ISO_CHILD_LPS || h->world == ISO_CHILD_RAS;
     header->notes.says_labels = h->is_labels;
+    header->segments = list_segments(h);
     header->notes.scale_slope = h->slope;
     header->notes.scale_intercept = h->intercept;
     iso_words_copy_line(h->value_unit, header->notes.value_unit, sizeof header->notes.value_unit);

@@ -19,6 +19,8 @@ void iso_child_end_texts(iso_child_header *h)
         END_TEXT(h->unit[r]);
     for (int c = 0; c < ISO_CHILD_CHANNELS; ++c)
         END_TEXT(h->channel_name[c]);
+    for (int s = 0; s < ISO_CHILD_SEGMENTS; ++s)
+        END_TEXT(h->segment[s].name);
     END_TEXT(h->value_unit);
     END_TEXT(h->frame_unit);
     END_TEXT(h->unspaced);

@@ -25,7 +25,12 @@ typedef enum iso_child_world {
     ISO_CHILD_CENTERED /* its own, around the box's center: the file gives no place */
 } iso_child_world;
 
-enum { ISO_CHILD_CHANNELS = 32 }; /* that may have names */
+enum { ISO_CHILD_CHANNELS = 32, ISO_CHILD_SEGMENTS = 1024 }; /* that may have names */
+
+typedef struct iso_child_segment {
+    uint16_t label;
+    char name[62];
+} iso_child_segment;
 
 typedef struct iso_child_header {
     char version[16]; /* ISO_VERSION */
@@ -40,6 +45,7 @@ typedef struct iso_child_header {
     char value_unit[16];     /* of physical values; "" if the file has none */
     double box[3];           /* the box in index coordinates, if it is smaller than the grid; 0: as the grid */
     bool is_labels;          /* True if the file is a label map by its own words */
+    iso_child_segment segment[ISO_CHILD_SEGMENTS]; /* of a label map; their end has no name */
     bool is_whole;           /* doubles that are integers of 64 bits in the file */
     size_t fill_count;       /* values that stand for none, and which */
     double fill[3];

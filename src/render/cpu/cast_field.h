@@ -490,8 +490,8 @@ CAST void sides_of(const iso_cast *c, const place *at, vi there[3][2], vi is_edg
             z[i] = filter_row(c, there[2][s] + i * CELL_Y + s * CELL_Z, f[0]);
         const vf beyond = lerp(z[0], z[1], f[1]), face = lerp(own[s][0], own[s][1], f[1]);
         side[2][s] = s ? lerp(face, beyond, f[2]) : lerp(beyond, face, f[2]);
-        for (int a = 0; a < 3; ++a)
-            side[a][s] = select_float(is_edge[a][s], center, side[a][s]);
+        for (int a = 0; a < 3; ++a) /* far below all values: no data */
+            side[a][s] = select_float(is_edge[a][s] | (vi)(side[a][s] < -0.5f), center, side[a][s]);
     }
 }
 

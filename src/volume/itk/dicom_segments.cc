@@ -74,6 +74,7 @@ public:
             name_channels();
         }
         header.is_labels = !is_fractional_;
+        name_segments(file_, header);
         header.size[0] = file_.columns, header.size[1] = file_.rows, header.size[2] = slices_.count;
         header.type = ISO_U16;
         place();
@@ -160,4 +161,16 @@ std::unique_ptr<PlaneReader> open_segments(const DicomFile &file, size_t channel
         fail(ISO_E_FORMAT, file.path + ": segments of " + std::to_string(file.coding.bits) +
                                " bits per voxel, must be 1 or 8");
     return std::make_unique<SegmentReader>(file, channel);
+}
+
+void name_segments(const DicomFile &file, iso_child_header &header)
+{
+    size_t count = 0;
+    for (const auto &segment : file.segments) {
+        if (segment.name.empty() || count == ISO_CHILD_SEGMENTS)
+            continue;
+        iso_child_segment &to = header.segment[count++];
+        to.label = static_cast<uint16_t>(segment.number);
+        snprintf(to.name, sizeof to.name, "%s", segment.name.c_str());
+    }
 }

@@ -13,4 +13,7 @@ bool is_of_segments(const DicomFile &file);
 /* Reads all frames. Throws Failure if slices have no even distance. */
 std::unique_ptr<PlaneReader> open_segments(const DicomFile &file, size_t channel);
 
+/* Copies the names of its segments to the header of a label map. */
+void name_segments(const DicomFile &file, iso_child_header &header);
+
 #endif

@@ -94,6 +94,8 @@ private:
         header.channels = channels;
         header.is_color = channels > 1;
         header.is_labels = files_[0].is_label_map;
+        if (header.is_labels)
+            name_segments(files_[0], header);
     }
 
     /* Orders slices without positions by their numbers, at the distance of --spacing. */

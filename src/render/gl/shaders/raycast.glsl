@@ -463,9 +463,15 @@ vec3 normal_at(vec3 p)
     return iso_shading_normal(fetch_direction(p).rgb);
 #else
     vec3 dx = vec3(held.voxel.x, 0.0, 0.0), dy = vec3(0.0, held.voxel.y, 0.0), dz = vec3(0.0, 0.0, held.voxel.z);
-    vec3 differences = vec3(scalar_at(p + dx) - scalar_at(p - dx), scalar_at(p + dy) - scalar_at(p - dy),
-                            scalar_at(p + dz) - scalar_at(p - dz));
-    vec3 g = held.gradient_to_world * differences;
+    vec3 after = vec3(scalar_at(p + dx), scalar_at(p + dy), scalar_at(p + dz));
+    vec3 before = vec3(scalar_at(p - dx), scalar_at(p - dy), scalar_at(p - dz));
+    // Far below all values: no data. Differences are one-sided there.
+    if (any(lessThan(min(after, before), vec3(-0.5)))) {
+        vec3 here = vec3(scalar_at(p));
+        after = mix(after, here, lessThan(after, vec3(-0.5)));
+        before = mix(before, here, lessThan(before, vec3(-0.5)));
+    }
+    vec3 g = held.gradient_to_world * (after - before);
     return g * inversesqrt(dot(g, g) + held.on_the_fly_eps * held.on_the_fly_eps);
 #endif
 }
