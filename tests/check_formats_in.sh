@@ -16,7 +16,7 @@ itk: png_stack pictures_of_colors missing_number tiff_and_jpeg_stacks
 metaimage: metaimage
 vtk: vtk_legacy
 vti: vti matrix_vti vti_packers vtk_rectilinear
-pvti: parallel_image
+pvti: parallel_image parallel_rectilinear
 mgh: mgh
 fits: fits
 dx: opendx

@@ -526,7 +526,7 @@ def dicom_segments():
     same("fraction.dcm", (apart["vessel"] * 200).astype(np.uint16), options=["--channel", "1"])
     # labels as samples
     multiframe("map.dcm", labels, SegmentationType="LABELMAP", SOPClassUID="1.2.840.10008.5.1.4.1.1.66.7",
-               SegmentSequence=[item(SegmentNumber=2, SegmentLabel="vessel"), item(SegmentNumber=1, SegmentLabel="liver")])
+               SegmentSequence=[item(SegmentNumber=n, SegmentLabel=name) for n, name in ((2, "vessel"), (1, "liver"))])
     same("map.dcm", labels.astype(np.uint16))
     about = run("info", "map.dcm")
     expect("label map, 3 labels" in about.stdout, "not a label map")

@@ -298,6 +298,50 @@ def parallel_image():
 
 
 @case
+def parallel_rectilinear():
+    import vtk
+    from vtk.util.numpy_support import numpy_to_vtk
+    values, steps = phantom(np.int16), np.array(SPACING)
+
+    def write(name, coordinates, pieces=3):
+        grid = vtk.vtkRectilinearGrid()
+        grid.SetDimensions(*values.shape[::-1])
+        for axis, c in zip("XYZ", coordinates):
+            getattr(grid, f"Set{axis}Coordinates")(numpy_to_vtk(c.astype(float), deep=1))
+        grid.GetPointData().SetScalars(numpy_to_vtk(values.ravel(), deep=1))
+        writer = vtk.vtkXMLPRectilinearGridWriter()
+        writer.SetNumberOfPieces(pieces)
+        writer.SetStartPiece(0)
+        writer.SetEndPiece(pieces - 1)
+        source = vtk.vtkTrivialProducer()
+        source.SetOutput(grid)
+        source.SetWholeExtent(*[n for size in values.shape[::-1] for n in (0, size - 1)])
+        writer.SetInputConnection(source.GetOutputPort())
+        writer.SetFileName(name)
+        writer.Write()
+    even = [1 + a + np.arange(n) * steps[a] for a, n in enumerate(values.shape[::-1])]
+    write("p.pvtr", even)
+    same("p.pvtr", values, np.diag(steps), [1, 2, 3], False)
+    last = even[2].copy()
+    last[-1] += 3 * steps[2]
+    write("uneven.pvtr", [*even[:2], last], 1)
+    refused("uneven.pvtr", 4, "must be equal within 1 %")
+    # pieces that are even, but not together
+    with open("p.pvtr", encoding="ascii") as file:
+        text = file.read()
+    first = text.index("<Piece")
+    write("p.pvtr", [c + 0.1 * steps[a] for a, c in enumerate(even)])
+    os.rename("p_2.vtr", "moved.vtr")
+    write("p.pvtr", even)
+    with open("p.pvtr", "w", encoding="ascii") as file:
+        file.write(text[:first] + text[first:].replace("p_2.vtr", "moved.vtr"))
+    refused("p.pvtr", 4, "uneven: moved.vtr begins")
+    grid = vtk.vtkStructuredGrid()
+    vtk_write(vtk.vtkXMLStructuredGridWriter(), grid, "s.vts")
+    refused("s.vts", 4, "is a grid of VTK that is not read, unlike .vti, .vtr, .pvti and .pvtr")
+
+
+@case
 def vtkhdf():
     import h5py
     for dtype in np.int16, np.float32:

@@ -138,8 +138,8 @@ static double add_step(const double rgbs[4], double length_mm, double pixel[4])
     return seen;
 }
 
-/* Looks up the coarse level at a place through transfer function i: color and extinction. Of the level's own scales only
- * the share of voxels with data counts. */
+/* Looks up the coarse level at a place through transfer function i: color and extinction. The level's own scale counts
+ * if it is the share of voxels with data. */
 static void look_up(const iso_small_views_input *in, size_t i, const place *p, double value, double rgbs[4])
 {
     if (in->tfs_2d[i])

@@ -127,7 +127,8 @@ static iso_status add_share(const iso_viewer *v, size_t k, iso_contents *content
     json_object_set_new(json, "share", share);
     snprintf(name, sizeof name, "level-%zu-share", k);
     return iso_contents_add_array(contents, name,
-                     &(iso_pack_array){iso_geometry_voxel_count(&level->geometry), 1, 1, byte, level->scale}, share, err);
+                                  &(iso_pack_array){iso_geometry_voxel_count(&level->geometry), 1, 1, byte, level->scale},
+                                  share, err);
 }
 
 /* ---- directions --------------------------------------------------------------------------------------------------- */

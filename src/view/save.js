@@ -41,7 +41,8 @@ const keepPage = () => {
     const before = `\x3c!doctype html>\n\x3c!-- SPDX-License-Identifier: MIT -->\n\x3chtml lang="en">\n${partOf('head')}\n\x3cbody>\n`
         + `${partOf('main')}\n${parts}\n`;
     return (data, state) => {
-        const [first, ...others] = data.levels.map(l => [l.scalar, ...l.codes, l.share, l.joint, l.layout].filter(Boolean));
+        const arrays = l => [l.scalar, ...l.codes, l.share, l.joint, l.layout].filter(Boolean);
+        const [first, ...others] = data.levels.map(arrays);
         // \x3c: the parser of HTML looks for elements in this script, too.
         const held = (attributes, text) => [`\x3cscript ${attributes}>`, text, '\x3c/script>\n'];
         const elements = list => list.flatMap(d => held(`type="text/plain" id="${d.array}"`, d.text));

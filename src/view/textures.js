@@ -81,7 +81,8 @@ const uploadCodes = function* (context, level, code) {
 const scaleBytes = {one: 168, perOctave: 28}; // ISO_EXTINCTION_SCALE_...
 const uploadShare = (context, level) => {
     const {gl} = context, texture = context.volume(8, gl.R16F, level.size);
-    allSteps(fillSlabs(gl, texture, level.size, 1, gl.RED, gl.HALF_FLOAT, (a, b) => halvesOf(level.share.numbers, a, b)));
+    const made = (a, b) => halvesOf(level.share.numbers, a, b);
+    allSteps(fillSlabs(gl, texture, level.size, 1, gl.RED, gl.HALF_FLOAT, made));
     return texture;
 };
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* pvti_open.c - VTK's parallel image data: a .pvti that names pieces, .vti files next to it. Pieces may overlap;
- * together they fill the whole. All are read at once. */
+/* pvti_open.c - VTK's parallel image data and rectilinear grids: a .pvti or .pvtr that names pieces, .vti or .vtr files
+ * next to it. Pieces may overlap; together they fill the whole, with even steps. All are read at once. */
 #define _GNU_SOURCE
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -9,12 +10,15 @@
 #include "base/file.h"
 #include "volume/reader.h"
 
+#define MOST_OFF 0.01 /* of a step, as in rectilinear.h */
+
 enum { MOST_BYTES = 16 << 20, MOST_PIECES = 1 << 16, NAME_BYTES = 1024 };
 
 typedef struct pvti {
     long extent[6];
     size_t size[3]; /* samples: cells if `of_cells` */
     bool of_cells;
+    const char *ending; /* of pieces: ".vti", ".vtr" */
     unsigned char *is_filled; /* of each sample */
 } pvti;
 
@@ -27,7 +31,7 @@ static bool read_extent(const char *tag, const char *name, long e[6])
 }
 
 /* Opens a piece; its grid gives directions and spacing, which all share. */
-static iso_status open_piece(const iso_volume_source *whole, const char *name, iso_volume_source **piece,
+static iso_status open_piece(const pvti *p, const iso_volume_source *whole, const char *name, iso_volume_source **piece,
                              iso_error *err)
 {
     char *path = NULL;
@@ -35,9 +39,9 @@ static iso_status open_piece(const iso_volume_source *whole, const char *name, i
     iso_volume_hints hints = whole->hints;
     hints.is_piece = true;
     *piece = NULL;
-    if (*name == '/' || strstr(name, "..") || !iso_path_ends_with(name, ".vti"))
-        return iso_fail(err, ISO_E_FORMAT, "%s: its piece is \"%.200s\", must be a .vti in its folder or below",
-                        whole->path, name);
+    if (*name == '/' || strstr(name, "..") || !iso_path_ends_with(name, p->ending))
+        return iso_fail(err, ISO_E_FORMAT, "%s: its piece is \"%.200s\", must be a %s in its folder or below",
+                        whole->path, name, p->ending);
     if (asprintf(&path, "%.*s%s", (int)(base - whole->path), whole->path, name) < 0)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", whole->path);
     const iso_status status = iso_source_open_with(path, &hints, piece, err);
@@ -50,6 +54,24 @@ static void put_row(const pvti *p, const char *row, size_t count, size_t to, siz
 {
     memcpy(out + to * sample, row, count * sample);
     memset(p->is_filled + to, 1, count);
+}
+
+/* Refuses a piece that is not where even steps from the whole's first sample lead. */
+static iso_status check_place(const iso_volume_source *whole, const iso_volume_source *piece, const size_t at[3],
+                              iso_error *err)
+{
+    const iso_geometry *g = &whole->header.geometry, *own = &iso_source_volume(piece)->geometry;
+    const iso_vec3 begin = iso_geometry_to_index(g, own->origin_mm);
+    const double to[3] = {begin.x, begin.y, begin.z};
+    for (int a = 0; a < 3; ++a) {
+        const double ratio = iso_norm(iso_column(own->index_to_world, a)) / iso_norm(iso_column(g->index_to_world, a));
+        if (!(fabs(to[a] - (double)at[a]) <= MOST_OFF && fabs(ratio - 1) <= MOST_OFF))
+            return iso_fail(err, ISO_E_FORMAT,
+                            "%s: uneven: %s begins %g steps along axis %d, must be %zu, with steps of %g, must be 1; "
+                            "merge the pieces, and read the result with --resample",
+                            whole->path, piece->path, to[a], a + 1, at[a], ratio);
+    }
+    return ISO_OK;
 }
 
 static iso_status put_piece(pvti *p, iso_volume_source *whole, iso_volume_source *piece, const long e[6],
@@ -68,8 +90,10 @@ static iso_status put_piece(pvti *p, iso_volume_source *whole, iso_volume_source
     if (v->type != whole->header.type)
         return iso_fail(err, ISO_E_FORMAT, "%s: %s is of type %s, the first piece of %s", whole->path, piece->path,
                         iso_type_name(v->type), iso_type_name(whole->header.type));
+    iso_status status = check_place(whole, piece, at, err);
     char *plane = malloc(n[0] * n[1] * sample);
-    iso_status status = plane ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", whole->path);
+    if (status == ISO_OK && !plane)
+        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", whole->path);
     for (size_t z = 0; z < n[2] && status == ISO_OK; ++z) {
         status = iso_source_read(piece, 1, plane, err);
         for (size_t y = 0; y < n[1] && status == ISO_OK; ++y)
@@ -137,7 +161,7 @@ static iso_status read_pieces(pvti *p, const char *text, iso_volume_source *whol
             !iso_reader_attribute(tag, "Source", name, sizeof name))
             return iso_fail(err, ISO_E_FORMAT, "%s: damaged: piece %zu has no extent and source, or is one of too many",
                             whole->path, pieces);
-        status = open_piece(whole, name, &piece, err);
+        status = open_piece(p, whole, name, &piece, err);
         if (status == ISO_OK && pieces == 1)
             status = begin(p, whole, piece, e, packed, err);
         TRY(status, put_piece(p, whole, piece, e, err));
@@ -162,9 +186,15 @@ static iso_status open_pvti(iso_volume_source *source, iso_error *err)
         return iso_fail(err, ISO_E_FORMAT, "%s: a list of %.0f bytes, must be at most %d", source->path,
                         (double)st.st_size, MOST_BYTES);
     iso_status status = iso_file_read(source->path, &text, &size, err);
-    const char *image = status == ISO_OK ? strstr(text, "<PImageData") : NULL;
-    if (status == ISO_OK && (!image || !read_extent(image, "WholeExtent", p.extent)))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no PImageData with a WholeExtent", source->path);
+    const char *grid = status == ISO_OK ? strstr(text, "<PImageData") : NULL;
+    p.ending = grid ? ".vti" : ".vtr";
+    if (status == ISO_OK && !grid)
+        grid = strstr(text, "<PRectilinearGrid");
+    if (status == ISO_OK && (!grid || !read_extent(grid, "WholeExtent", p.extent)))
+        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no parallel grid with a WholeExtent", source->path);
+    if (status == ISO_OK && source->hints.uneven != ISO_UNEVEN_REFUSE)
+        status = iso_fail(err, ISO_E_USAGE, "%s: --resample and --force-spacing read no grid in pieces; merge them",
+                          source->path);
     TRY(status, read_pieces(&p, text, source, err));
     free(p.is_filled);
     free(text);
@@ -173,14 +203,15 @@ static iso_status open_pvti(iso_volume_source *source, iso_error *err)
 
 static bool starts_like_pvti(const unsigned char *head, size_t size)
 {
-    return memmem(head, size, "<VTKFile", 8) && memmem(head, size, "\"PImageData\"", 12);
+    return memmem(head, size, "<VTKFile", 8) &&
+           (memmem(head, size, "\"PImageData\"", 12) || memmem(head, size, "\"PRectilinearGrid\"", 18));
 }
 
 const iso_volume_format iso_volume_format_pvti = {
     .name = "pvti",
     .title = "VTK XML, parallel",
-    .summary = "image data in several .vti files, at once",
-    .suffixes = ".pvti",
+    .summary = "image data and rectilinear grids in several .vti or .vtr files, at once",
+    .suffixes = ".pvti .pvtr",
     .starts = "\"<VTKFile\"",
     .probe = starts_like_pvti,
     .open = open_pvti,

@@ -375,6 +375,11 @@ static iso_status refuse_unknown(const iso_volume_source *s, const file_head *he
         if (others[i].bytes <= head->size && memcmp(head->bytes, others[i].magic, others[i].bytes) == 0)
             return iso_fail(err, ISO_E_FORMAT, "%s: is %s, which is not read; %s", s->path, others[i].kind, others[i].remedy);
     }
+    if (memmem(head->bytes, head->size, "<VTKFile", 8))
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: is a grid of VTK that is not read, unlike .vti, .vtr, .pvti and .pvtr; ParaView's filter "
+                        "Resample To Image makes one",
+                        s->path);
     for (size_t i = 0; i < 8 && i < head->size; ++i)
         shown[i] = head->bytes[i] >= 32 && head->bytes[i] < 127 ? (char)head->bytes[i] : '?';
     return iso_fail(err, ISO_E_FORMAT,
