@@ -193,6 +193,8 @@ TEST(a_pyramid_keeps_it)
     OWNED(iso_pyramid) p = build_ramp(2), loaded;
     assert_ok(iso_pyramid_save(&p, path, &err));
     assert_ok(iso_pyramid_load(path, &loaded, &err));
+    iso_pyramid part;
+    assert_status(iso_pyramid_load_from(path, 1, &part, &err), ISO_E_RANGE);
     iso_level_check checks[2];
     assert_ok(iso_pyramid_verify(&loaded, 1, checks, NULL, &err));
     assert_true(!checks[0].what && !checks[1].what);

@@ -331,6 +331,9 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
                             k);
     }
     iso_pyramid_share_segments(out);
+    if (first > 0 && out->levels[0].geometry.has_no_data)
+        return iso_fail(err, ISO_E_RANGE,
+                        "%s: some voxels have no data, so coarse levels need level 0; view --errors reads it", r->path);
     return what == LOAD_OUTLINE ? ISO_OK : iso_pyramid_scale_by_share(out, NULL, err);
 }
 
