@@ -2,10 +2,15 @@
 /* Large buffers are whole, apart from each other, begin where a huge page does and are advised to have some; allocators
  * that do not keep this are noticed. */
 #define _GNU_SOURCE
+#include <errno.h>
 #include <malloc.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include "base/file.h"
 #include "base/large.h"
+#include "base/machine.h"
 #include "tests/test.h"
 
 enum { MIB = 1 << 20, HUGE_PAGE = 2 * MIB };
@@ -110,6 +115,92 @@ TEST(too_much_is_refused)
     static const size_t sizes[] = {SIZE_MAX, SIZE_MAX - HUGE_PAGE, SIZE_MAX - HUGE_PAGE + 1, SIZE_MAX / 2 + 1};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i)
         assert_null(iso_large_alloc(sizes[i]));
+}
+
+/* ---- samples ---- */
+
+/* Of the mapping that holds p: the name of its file in /proc/self/maps, or "". */
+static const char *file_of(const void *p)
+{
+    static char line[4096];
+    FILE *maps = fopen("/proc/self/maps", "r");
+    assert_non_null(maps);
+    const char *name = "";
+    while (!name[0] && fgets(line, sizeof line, maps)) {
+        uintmax_t from, to;
+        if (sscanf(line, "%jx-%jx ", &from, &to) == 2 && from <= (uintptr_t)p && (uintptr_t)p < to)
+            name = strchr(line, '/') ? strchr(line, '/') : "";
+    }
+    fclose(maps);
+    return name;
+}
+
+TEST(samples_on_disk_are_zeroed_and_have_no_name)
+{
+    enum { BYTES = 3 * MIB + 5 };
+    unsigned char *p[2] = {iso_large_on_disk(BYTES), iso_large_on_disk(BYTES)};
+    assert_true(p[0] && p[1]);
+    assert_non_null(strstr(file_of(p[0]), "(deleted)"));
+    for (size_t i = 0; i < BYTES; ++i)
+        assert_true(p[0][i] == 0 && p[1][i] == 0);
+    memset(p[0], 1, BYTES);
+    memset(p[1], 2, BYTES);
+    assert_true(p[0][0] == 1 && p[0][BYTES - 1] == 1 && p[1][0] == 2 && p[1][BYTES - 1] == 2);
+    iso_large_free(p[0]);
+    assert_string_equal(file_of(p[0]), ""); /* unmapped */
+    assert_true(p[1][BYTES / 2] == 2);
+    iso_large_free(p[1]);
+    assert_null(iso_large_on_disk(SIZE_MAX / 4));
+    iso_large_free(NULL);
+}
+
+TEST(few_samples_are_in_memory)
+{
+    unsigned char *p = iso_large_samples(MIB);
+    assert_non_null(p);
+    assert_null(strstr(file_of(p), "(deleted)"));
+    assert_true(p[0] == 0 && p[MIB - 1] == 0);
+    iso_large_free(p);
+}
+
+static void write_text(const char *root, const char *path, const char *text)
+{
+    char whole[4096];
+    snprintf(whole, sizeof whole, "%s/%s", root, path);
+    for (char *slash = whole + strlen(root) + 1; (slash = strchr(slash, '/')); ++slash) {
+        *slash = 0;
+        assert_true(mkdir(whole, 0700) == 0 || errno == EEXIST);
+        *slash = '/';
+    }
+    FILE *file = fopen(whole, "w");
+    assert_true(file && fputs(text, file) >= 0 && fclose(file) == 0);
+}
+
+TEST(free_memory_is_that_of_the_machine_or_of_its_control_group)
+{
+    const double real = iso_machine_free_bytes("");
+    assert_true(real > 0 && real <= (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE));
+    FREED char *root = iso_make_temp_dir();
+    assert_non_null(root);
+    assert_true(isinf(iso_machine_free_bytes(root)));
+    write_text(root, "proc/meminfo", "MemTotal: 9000 kB\nMemAvailable:    5000 kB\n");
+    assert_true(iso_machine_free_bytes(root) == 5000 * 1024);
+    /* Version 2: the group around it has the limit. */
+    write_text(root, "proc/self/cgroup", "0::/a/b\n");
+    write_text(root, "sys/fs/cgroup/a/b/memory.max", "max\n");
+    write_text(root, "sys/fs/cgroup/a/memory.max", "4000000\n");
+    write_text(root, "sys/fs/cgroup/a/memory.current", "3500000\n");
+    assert_true(iso_machine_free_bytes(root) == 500000);
+    write_text(root, "sys/fs/cgroup/a/memory.stat", "file 7\ninactive_file 1000000\n");
+    assert_true(iso_machine_free_bytes(root) == 1500000);
+    /* Version 1; the group of a container may be seen as the root. */
+    write_text(root, "proc/self/cgroup", "5:devices:/c\n4:memory:/c\n0::/\n");
+    write_text(root, "sys/fs/cgroup/memory/memory.limit_in_bytes", "2000000\n");
+    write_text(root, "sys/fs/cgroup/memory/memory.usage_in_bytes", "2500000\n");
+    assert_true(iso_machine_free_bytes(root) == 0);
+    write_text(root, "sys/fs/cgroup/memory/memory.stat", "inactive_file 1\ntotal_inactive_file 800000\n");
+    assert_true(iso_machine_free_bytes(root) == 300000);
+    iso_remove_tree(root);
 }
 
 /* ---- planted faults ---- */

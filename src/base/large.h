@@ -12,4 +12,13 @@
  * pages are requested. NULL: out of memory. */
 void *iso_large_alloc(size_t bytes);
 
+/* Allocates zeroed memory for samples; freed by iso_large_free(). From 64 MiB on, more than half of the free memory
+ * becomes a file without a name in $TMPDIR or /var/tmp: its pages can leave the memory. NULL: neither memory nor disk
+ * suffices. */
+void *iso_large_samples(size_t bytes);
+/* Does so in any case. */
+void *iso_large_on_disk(size_t bytes);
+/* Frees either; accepts NULL and what malloc() returned. */
+void iso_large_free(void *samples);
+
 #endif

@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "base/machine.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,4 +32,80 @@ json_t *iso_machine_describe(void)
         free(both);
     }
     return machine;
+}
+
+/* ---- free memory ------------------------------------------------------------------------------------------------- */
+
+/* Returns the number behind the first `key` that begins a line of a file; infinity if there is none, as for "max". */
+static double number_in(const char *root, const char *folder, const char *name, const char *key)
+{
+    char *path = NULL, line[256];
+    double number = INFINITY;
+    const size_t length = strlen(key);
+    FILE *file = asprintf(&path, "%s%s/%s", root, folder, name) < 0 ? NULL : fopen(path, "r");
+    while (file && fgets(line, sizeof line, file))
+        if (strncmp(line, key, length) == 0) {
+            if (sscanf(line + length, "%lf", &number) != 1)
+                number = INFINITY;
+            break;
+        }
+    if (file)
+        fclose(file);
+    free(path);
+    return number;
+}
+
+/* The files of a version of control groups. */
+typedef struct group_files {
+    const char *mount, *limit, *used, *cache; /* cache: key in memory.stat, of pages that can be dropped */
+} group_files;
+
+/* Returns what a control group and those around it leave. */
+static double left_in_group(const char *root, const group_files *files, char *group)
+{
+    double left = INFINITY;
+    char *folder = NULL;
+    for (;;) {
+        if (asprintf(&folder, "%s%s", files->mount, group) < 0)
+            return left;
+        const double most = number_in(root, folder, files->limit, ""), used = number_in(root, folder, files->used, ""),
+                     cache = number_in(root, folder, "memory.stat", files->cache);
+        free(folder);
+        if (isfinite(most) && isfinite(used))
+            left = fmin(left, fmax(most - used + (isfinite(cache) ? cache : 0), 0));
+        char *slash = strrchr(group, '/');
+        if (!slash || !group[0])
+            return left;
+        *slash = 0;
+    }
+}
+
+static double left_in_groups(const char *root)
+{
+    static const group_files version_1 = {"/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes",
+                                          "total_inactive_file "},
+                             version_2 = {"/sys/fs/cgroup", "memory.max", "memory.current", "inactive_file "};
+    char *path = NULL, line[4096];
+    double left = INFINITY;
+    FILE *file = asprintf(&path, "%s/proc/self/cgroup", root) < 0 ? NULL : fopen(path, "r");
+    while (file && fgets(line, sizeof line, file)) {
+        char *names = strchr(line, ':'), *group = names ? strchr(names + 1, ':') : NULL;
+        if (!group)
+            continue;
+        *group++ = 0;
+        group[strcspn(group, "\n")] = 0;
+        if (strcmp(names, ":") == 0)
+            left = fmin(left, left_in_group(root, &version_2, group));
+        else if (strcmp(names, ":memory") == 0)
+            left = fmin(left, left_in_group(root, &version_1, group));
+    }
+    if (file)
+        fclose(file);
+    free(path);
+    return left;
+}
+
+double iso_machine_free_bytes(const char *root)
+{
+    return fmin(1024 * number_in(root, "/proc", "meminfo", "MemAvailable:"), left_in_groups(root));
 }

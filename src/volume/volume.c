@@ -7,6 +7,7 @@
 
 #include <jansson.h>
 
+#include "base/large.h"
 #include "base/names.h"
 #include "base/parallel.h"
 #include "base/simd.h"
@@ -74,7 +75,7 @@ iso_status iso_volume_create(iso_volume *v, const iso_geometry *g, iso_type type
     if (status != ISO_OK)
         return status;
     size_t count = iso_geometry_voxel_count(g);
-    void *data = calloc(count, iso_type_bytes(type));
+    void *data = iso_large_samples(count * iso_type_bytes(type));
     if (!data)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu x %zu x %zu voxels of %s (%zu bytes)", name,
                         g->size[0], g->size[1], g->size[2], iso_type_name(type), count * iso_type_bytes(type));
@@ -86,7 +87,7 @@ void iso_volume_destroy(iso_volume *v)
 {
     if (!v)
         return;
-    free(v->data);
+    iso_large_free(v->data);
     json_decref(v->segments);
     *v = (iso_volume){0};
 }
