@@ -36,7 +36,7 @@ json_t *iso_machine_describe(void)
 
 /* ---- free memory ------------------------------------------------------------------------------------------------- */
 
-/* Returns the number behind the first `key` that begins a line of a file; infinity if there is none, as for "max". */
+/* Returns the number after the first `key` that begins a line of a file; infinity if there is none, as for "max". */
 static double number_in(const char *root, const char *folder, const char *name, const char *key)
 {
     char *path = NULL, line[256];
