@@ -30,7 +30,7 @@ expect levels_are_optimized 0 "$ISOSHADE" build v.nrrd --for "$scene" --effort f
 check data_say_how python3 -c 'import json
 level = json.load(open("out"))["made_for"]["levels"][0]
 o = level["optimized"]
-assert level["scalar"] == "optimized" and o["seed"] == 2 and o["views"] == 64 and o["steps"] == 200, level
+assert level["scalar"] == "optimized" and o["seed"] == 2 and o["views"] == 64 and o["steps"] == 400, level
 assert o["error"] < o["error_first"], o
 ways = {(c["scalar"], c["scaled"]): c["ssim_dissimilarity"] for c in level["candidates"]}
 assert set(ways) == {("as-built", 0), ("as-built", 1), ("least-squares", 0), ("damped", 0), ("damped", 1), ("optimized", 1)}

@@ -5,6 +5,7 @@
 tf=$top/refscenes/shells.tf.json scene=$top/refscenes/shells.scene.json
 "$ISOSHADE" make shells --size 40x44x36 --type uint8 -o shells.nrrd -q || exit 1
 "$ISOSHADE" build shells.nrrd -o shells.iso --levels 3 -q >/dev/null || exit 1
+"$ISOSHADE" build shells.nrrd -o coded.iso --levels 2 --code region48 -q >/dev/null || exit 1
 
 check adapt_writes_a_tf_a_level "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o shells --always -q
 [ -s shells_level_1.tf.json ] && [ -s shells_level_2.tf.json ] && ok adapted_files_are_there || not_ok adapted_files_are_there "$(ls)"
@@ -18,6 +19,15 @@ refuse no_name 2 '-o is ""' "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o ''
 refuse folder_for_a_name 2 'must be the name of a file' "$ISOSHADE" tf adapt shells.iso --tf "$tf" -o shells.iso/
 check twelve_bits "$ISOSHADE" tf adapt shells.iso --tf "$tf" --bits 12 --level 1 -o twelve.tf.json -q
 check json_names_the_errors bash -c '"$ISOSHADE" tf adapt shells.iso --tf "$0" --level 1 -o x.tf.json --json | grep -q "\"rms_adapted\""' "$tf"
+# Optimized by rendering: never farther by the pictures that judge it, and a file as any other.
+expect a_tf_is_optimized 0 "$ISOSHADE" tf adapt shells.iso --scene "$scene" --level 1 --optimize -o best.tf.json --json
+check it_is_nearer_or_the_same python3 -c 'import json
+level = json.load(open("out"))["levels"][0]
+(before, after), rmse = level["optimized"]["ssim_dissimilarity"], level["optimized"]["rmse"]
+assert 0 < after <= 0.98 * before and rmse[1] <= rmse[0], level'
+expect it_is_drawn 0 "$ISOSHADE" render shells.iso --tf best.tf.json --level 1 --size 32 --with cpu -o best.exr -q
+"$ISOSHADE" tf adapt coded.iso --scene "$scene" --level 1 -o coded.tf.json -q >/dev/null # keeps its histogram
+refuse only_linear_codes_are_optimized 5 'build with --code fit' "$ISOSHADE" tf adapt coded.iso --scene "$scene" --level 1 --optimize -o no.tf.json -q
 expect bound_is_printed_before_anything_is_drawn 0 "$ISOSHADE" tf bound shells.iso --scene "$scene" --level 1 --size 24 -q
 grep -q '^level 1  RMSE at most 0\.[0-9]*, with --adapt 0\.[0-9]*$' out && ok bound_names_both_tfs || not_ok bound_names_both_tfs "$(cat out)"
 refuse bound_needs_a_volume 2 'usage: isoshade tf bound' "$ISOSHADE" tf bound -q

@@ -123,6 +123,51 @@ TEST(a_stopped_run_returns_the_level_so_far)
     assert_memory_equal(o.scalar, p.levels[1].scalar, iso_geometry_voxel_count(&p.levels[1].geometry) * sizeof(float));
 }
 
+/* Returns the gate's judgment of the level under a transfer function that is optimized alone. */
+static void optimize_alone(const iso_pyramid *p, const iso_scene *scene, const iso_shown_level *start,
+                           const iso_optimize_options *opt, iso_tf_table *tf, iso_level_seen seen[2])
+{
+    iso_level_gate gate;
+    assert_ok(iso_level_gate_open(&gate, p, scene, 2, &err));
+    assert_ok(iso_optimize_tf(&gate, 1, scene, start, opt, tf, seen, NULL, &err));
+    iso_level_gate_close(&gate);
+}
+
+TEST(a_transfer_function_is_optimized_alone)
+{
+    OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT);
+    const iso_scene scene = surface_scene();
+    iso_optimize_options opt = fast(2);
+    OWNED(iso_tf_table) tf, better;
+    OWNED(iso_optimized) o;
+    const iso_shown_level start = as_built(&p, &scene, &tf);
+    iso_level_seen seen[2];
+    for (size_t i = 0; i < tf.count; ++i)
+        tf.entries[4 * i + 3] *= 0.25f; /* a wrong one, so that there is something to find */
+    optimize_alone(&p, &scene, &start, &opt, &better, seen);
+    assert_at_most(seen[1].ssim_dissimilarity, 0.9 * seen[0].ssim_dissimilarity);
+    assert_at_most(seen[1].rmse, 0.7 * seen[0].rmse);
+    assert_false(iso_tf_table_equals(&better, &tf));
+    opt.only_tf = true; /* the level stays */
+    assert_ok(iso_optimize_level(&p, 1, &scene, &start, &opt, &o, NULL, &err));
+    assert_memory_equal(o.scalar, p.levels[1].scalar, iso_geometry_voxel_count(&p.levels[1].geometry) * sizeof(float));
+}
+
+TEST(a_transfer_function_stays_if_none_is_nearer)
+{
+    OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT);
+    const iso_scene scene = surface_scene();
+    const volatile sig_atomic_t stop = 1;
+    iso_optimize_options opt = fast(2);
+    OWNED(iso_tf_table) tf, same;
+    const iso_shown_level start = as_built(&p, &scene, &tf);
+    iso_level_seen seen[2];
+    opt.stop = &stop;
+    optimize_alone(&p, &scene, &start, &opt, &same, seen);
+    assert_true(iso_tf_table_equals(&same, &tf));
+    assert_memory_equal(&seen[0], &seen[1], sizeof seen[0]);
+}
+
 TEST(scenes_that_cannot_be_learned_are_refused)
 {
     iso_tf_point hidden[] = {{0, {1, 1, 1}, 0}, {1, {1, 1, 1}, 0}};

@@ -160,6 +160,7 @@ static const iso_option options[] = {
      .most = 30},
     {"levels", 0, "adapt, bound: number of levels of a volume", "N", ISO_IN(iso_tf_arguments, level_count),
      .flags = ISO_SHOWN, .least = 2, .most = 30},
+    {"optimize", 0, "adapt: by rendering too, kept if nearer to level 0", NULL, ISO_IN(iso_tf_arguments, optimize)},
     {"volume", 0, "convert, show: volume for fitted ranges; show: draw its histogram", "FILE",
      ISO_IN(iso_tf_arguments, volume)},
     ISO_OPTIONS_OF(iso_tf_arguments, adapted, iso_adapt_method_rows),

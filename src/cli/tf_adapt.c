@@ -10,6 +10,7 @@
 #include "base/inputs.h"
 #include "base/json.h"
 #include "base/stamp.h"
+#include "plan/optimize.h"
 #include "scene/subject.h"
 #include "tf/format.h"
 #include "tf/ghost.h"
@@ -62,6 +63,13 @@ static json_t *json_of_level(size_t level, const char *path, size_t entry_count,
     return entry;
 }
 
+static void add_optimized(json_t *entry, const iso_level_seen seen[2])
+{
+    json_object_set_new(entry, "optimized",
+                        json_pack("{s:[f, f], s:[f, f]}", "ssim_dissimilarity", seen[0].ssim_dissimilarity,
+                                  seen[1].ssim_dissimilarity, "rmse", seen[0].rmse, seen[1].rmse));
+}
+
 static void print_level(size_t level, const char *path, const iso_adapt_judgment *v)
 {
     printf("level %zu  %s", level, path);
@@ -89,7 +97,26 @@ typedef struct adapt_run {
     const iso_tf_table *tf;
     json_t *levels;
     iso_small_views_fine level_0; /* drawn when the first level is adapted */
+    const iso_scene *scene;
+    iso_level_gate gate; /* open if transfer functions are optimized */
 } adapt_run;
+
+/* Replaces a level's transfer function by an optimized one, if that is nearer. */
+static iso_status optimize(adapt_run *run, size_t level, iso_tf_table *table, iso_level_seen seen[2], iso_error *err)
+{
+    const iso_progress progress = iso_cli_progress(run->a->cli);
+    const iso_optimize_options opt = {.effort = ISO_EFFORT_FAST, .seed = 1, .threads = run->a->cli->threads};
+    iso_tf_table better = {0};
+    const iso_status status = iso_optimize_tf(&run->gate, level, run->scene,
+                                              &(iso_shown_level){&run->p->levels[level], table,
+                                                                 run->p->levels[level].scale},
+                                              &opt, &better, seen, &progress, err);
+    if (status == ISO_OK) {
+        iso_tf_table_destroy(table);
+        *table = better;
+    }
+    return status;
+}
 
 static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
 {
@@ -99,6 +126,7 @@ static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
     iso_adapt_judgment v;
     iso_tf_table table = {0};
     iso_tf file = {0};
+    iso_level_seen seen[2];
     char *path = adapted_path(a, level);
     iso_status status = path ? iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err)
                              : iso_fail(err, ISO_E_MEMORY, "out of memory");
@@ -107,12 +135,20 @@ static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
     TRY(status, iso_adapt_level(run->p, level, run->tf, &opt, &table, &v, err));
     if (status == ISO_OK && level > 0 && !opt.fall_back) /* not yet measured by small views */
         status = iso_ghost_measure(run->p, level, run->tf, &table, NULL, a->cli->threads, &v.ghost, err);
+    if (status == ISO_OK && a->optimize)
+        status = optimize(run, level, &table, seen, err);
     TRY(status, iso_tf_from_table(&table, &file, err));
     TRY(status, iso_tf_save(&file, path, err));
     if (status == ISO_OK) {
-        json_array_append_new(run->levels, json_of_level(level, path, table.count, &v));
+        json_t *entry = json_of_level(level, path, table.count, &v);
+        if (a->optimize)
+            add_optimized(entry, seen);
+        json_array_append_new(run->levels, entry);
         if (!a->cli->json)
             print_level(level, path, &v);
+        if (!a->cli->json && a->optimize)
+            printf("         optimized: 1-SSIM %.4f, before %.4f; RMSE %.4f, before %.4f\n", seen[1].ssim_dissimilarity,
+                   seen[0].ssim_dissimilarity, seen[1].rmse, seen[0].rmse);
     }
     iso_tf_destroy(&file);
     iso_tf_table_destroy(&table);
@@ -138,13 +174,27 @@ iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, const iso_subject_
     return iso_subject_load_pyramid(input, &a->input, build, &progress, p, err);
 }
 
+static iso_status tabulate(const iso_scene *scene, const iso_pyramid *p, iso_tf_table *table, iso_error *err)
+{
+    return iso_tf_tabulate(&scene->tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, table, err);
+}
+
 iso_status iso_cli_tf_tabulate(const iso_subject_look *look, const iso_pyramid *p, iso_tf_table *table, iso_error *err)
 {
     iso_scene scene;
     iso_status status = iso_subject_make_scene(look, p, &scene, err);
-    TRY(status, iso_tf_tabulate(&scene.tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, table, err));
+    TRY(status, tabulate(&scene, p, table, err));
     iso_scene_destroy(&scene);
     return status;
+}
+
+/* Loads the pyramid, with all that its pictures need if they are drawn. */
+static iso_status load(const iso_tf_arguments *a, const iso_subject_look *look, const iso_pyramid_options *build,
+                       iso_pyramid *p, iso_error *err)
+{
+    const iso_progress progress = iso_cli_progress(a->cli);
+    return a->optimize ? iso_subject_load_pyramid(a->cli->arguments[1], &a->input, build, &progress, p, err)
+                       : iso_cli_tf_load_subject(a, look, !a->adapted.always, build, p, err);
 }
 
 void iso_cli_tf_expect_levels(const iso_cli *cli)
@@ -185,6 +235,7 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     iso_pyramid p = {0};
     iso_subject_look look;
     iso_adapt_options checked;
+    iso_scene scene = {0};
     iso_tf_table table = {0};
     json_t *levels = json_array();
     if (cli->argument_count != 2 || !a->output) {
@@ -197,14 +248,19 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     iso_status status = check_output_name(a, err);
     TRY(status, iso_cli_look_check(&a->look, cli->threads, &look, err));
     TRY(status, iso_cli_adapt_options(&a->adapted, cli->threads, &checked, err));
-    TRY(status, iso_cli_tf_load_subject(a, &look, !a->adapted.always, &build, &p, err));
+    TRY(status, load(a, &look, &build, &p, err));
     TRY(status, iso_pyramid_check_level(&p, cli->arguments[1], (size_t)a->level, err));
     for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
         if (a->level == 0)
             status = guard_level(a, k, err);
-    TRY(status, iso_cli_tf_tabulate(&look, &p, &table, err));
-    adapt_run run = {.a = a, .p = &p, .tf = &table, .levels = levels};
+    TRY(status, iso_subject_make_scene(&look, &p, &scene, err));
+    TRY(status, tabulate(&scene, &p, &table, err));
+    adapt_run run = {.a = a, .p = &p, .tf = &table, .levels = levels, .scene = &scene};
+    if (status == ISO_OK && a->optimize)
+        status = iso_level_gate_open(&run.gate, &p, &scene, cli->threads, err);
     TRY(status, adapt_levels(&run, err));
+    iso_level_gate_close(&run.gate);
+    iso_scene_destroy(&scene);
     iso_small_views_fine_destroy(&run.level_0);
     if (status == ISO_OK && cli->json) {
         json_t *root = iso_cli_json(cli);

@@ -14,7 +14,7 @@ typedef struct iso_tf_arguments {
     iso_cli_adapted adapted;
     iso_cli_look look;
     char *output, *volume;
-    int level, level_count;
+    int level, level_count, optimize;
     const iso_cli *cli;
 } iso_tf_arguments;
 

@@ -8,6 +8,7 @@
 #include "figure/columns.h"
 #include "figure/of_report.h"
 #include "figure/picture.h"
+#include "plan/scene_levels.h"
 
 enum { USUAL_LEVELS = 4 };
 
@@ -110,22 +111,25 @@ const iso_figure_info iso_figure_renderers = {
 
 /* ---- methods ---- */
 
+typedef enum shown_as { AS_BUILT, ADAPTED, FOR_SCENE } shown_as; /* the last as build --for */
+
 typedef struct method {
     const char *name, *title;
     iso_direction_filter filter;
     iso_direction_source source;
-    bool adapted;
+    shown_as as;
 } method;
 
 static const method methods[] = {
-    {"on-the-fly", "directions on the fly", ISO_DIRECTION_NAIVE, ISO_FROM_ON_THE_FLY, false},
-    {"naive", "means of directions", ISO_DIRECTION_NAIVE, ISO_FROM_CODES, false},
-    {"eq1", "weighted means (Eq. 1)", ISO_DIRECTION_EQ1, ISO_FROM_CODES, false},
-    {"moments", "moments", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES, false},
-    {"on-the-fly+adapted", "on the fly, adapted TF", ISO_DIRECTION_NAIVE, ISO_FROM_ON_THE_FLY, true},
-    {"naive+adapted", "means of directions, adapted TF", ISO_DIRECTION_NAIVE, ISO_FROM_CODES, true},
-    {"eq1+adapted", "weighted means (Eq. 1), adapted TF", ISO_DIRECTION_EQ1, ISO_FROM_CODES, true},
-    {"moments+adapted", "moments, adapted TF", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES, true},
+    {"on-the-fly", "directions on the fly", ISO_DIRECTION_NAIVE, ISO_FROM_ON_THE_FLY, AS_BUILT},
+    {"naive", "means of directions", ISO_DIRECTION_NAIVE, ISO_FROM_CODES, AS_BUILT},
+    {"eq1", "weighted means (Eq. 1)", ISO_DIRECTION_EQ1, ISO_FROM_CODES, AS_BUILT},
+    {"moments", "moments", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES, AS_BUILT},
+    {"on-the-fly+adapted", "on the fly, adapted TF", ISO_DIRECTION_NAIVE, ISO_FROM_ON_THE_FLY, ADAPTED},
+    {"naive+adapted", "means of directions, adapted TF", ISO_DIRECTION_NAIVE, ISO_FROM_CODES, ADAPTED},
+    {"eq1+adapted", "weighted means (Eq. 1), adapted TF", ISO_DIRECTION_EQ1, ISO_FROM_CODES, ADAPTED},
+    {"moments+adapted", "moments, adapted TF", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES, ADAPTED},
+    {"optimized", "optimized for the scene", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES, FOR_SCENE},
 };
 static const iso_names method_names = {
     "method", "methods", methods, ISO_NAMES_COUNT(methods), sizeof methods[0], offsetof(method, name), offsetof(method, title),
@@ -158,7 +162,7 @@ static iso_status render_method(void *user, size_t column, size_t width, size_t 
                                      .width = width,
                                      .height = height,
                                      .source = m ? &m->source : NULL,
-                                     .adapted = m && m->adapted};
+                                     .adapted = m && m->as == ADAPTED};
     return iso_figure_render(&s->subject[column], &what, image, mm_per_pixel, err);
 }
 
@@ -180,6 +184,14 @@ static iso_status choose_methods(const char *list, methods_shown *s, iso_figure_
     return status;
 }
 
+/* Does the same as build --for with the scene. */
+static iso_status optimize_level(iso_figure_subject *s, size_t level, iso_error *err)
+{
+    const iso_optimize_options opt = {.effort = ISO_EFFORT_NORMAL, .seed = 1};
+    const iso_progress progress = iso_cli_progress(s->job->cli);
+    return iso_scene_levels_make(&s->pyramid, level, &s->scene, &opt, s->job->cli->threads, NULL, &progress, err);
+}
+
 static iso_status load_methods(const iso_figure_job *job, methods_shown *s, size_t count, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -191,6 +203,8 @@ static iso_status load_methods(const iso_figure_job *job, methods_shown *s, size
         if (i > 0)
             build.direction_filter = s->method[i]->filter;
         status = iso_figure_subject_load(&s->subject[i], job, i > 0 ? s->level + 1 : 1, &build, err);
+        if (status == ISO_OK && i > 0 && s->method[i]->as == FOR_SCENE)
+            status = optimize_level(&s->subject[i], s->level, err);
     }
     return status;
 }

@@ -43,14 +43,27 @@ iso_scene iso_level_bench_scene(iso_tf tf)
                        .tf = tf};
 }
 
-/* Takes the transfer function that shows a level. */
-static iso_status take_look(const iso_pyramid *p, size_t level, iso_level_shown *shown, iso_error *err)
+/* Takes the transfer function and the extinction scale that show a level. Under an edited one these are those of
+ * `render --adapt`: an optimized level has its scale and no adapted table. */
+static iso_status take_look(const iso_pyramid *p, const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
 {
+    const iso_level *level = &p->levels[s->level];
+    const bool is_edited = !iso_tf_table_equals(s->tf, s->before);
+    iso_adapt_options opt = iso_adapt_defaults();
     iso_tf_table scene = {0};
     iso_status status = iso_level_scene_tf(p, &scene, err);
+    opt.threads = s->threads;
     iso_tf_table_destroy(&shown->tf);
-    TRY(status, iso_level_look(p, level, &scene, &shown->tf, NULL, err));
+    if (status == ISO_OK && is_edited)
+        status = iso_adapt_level(p, s->level, s->tf, &opt, &shown->tf, &shown->judgment, err);
+    else
+        TRY(status, iso_level_look(p, s->level, &scene, &shown->tf, NULL, err));
     iso_tf_table_destroy(&scene);
+    shown->extinction_scale = level->scale;
+    if (is_edited && !level->is_optimized) {
+        free(shown->extinction_scale);
+        shown->extinction_scale = NULL;
+    }
     return status;
 }
 
@@ -64,7 +77,7 @@ static iso_status make_for_scene(const iso_level_subject *s, iso_effort effort, 
     iso_tf tf = {0};
     float *scalar = malloc(count * sizeof *scalar);
     uint8_t *codes = malloc(3 * count);
-    iso_status status = scalar && codes ? iso_tf_from_table(s->tf, &tf, err)
+    iso_status status = scalar && codes ? iso_tf_from_table(s->before, &tf, err)
                                         : iso_fail(err, ISO_E_MEMORY, "no memory for %zu voxels", count);
     const iso_scene scene = iso_level_bench_scene(tf);
     if (status == ISO_OK) {
@@ -79,10 +92,9 @@ static iso_status make_for_scene(const iso_level_subject *s, iso_effort effort, 
         with.level_count = s->level + 1;
         with.made_for = NULL;
         status = iso_scene_levels_make(&with, s->level, &scene, &opt, s->threads, NULL, NULL, err);
-        TRY(status, take_look(&with, s->level, shown, err));
+        TRY(status, take_look(&with, s, shown, err));
         scalar = levels[s->level].scalar; /* both are replaced if the first ones were not the best */
         codes = levels[s->level].codes;
-        shown->extinction_scale = levels[s->level].scale;
         json_decref(with.made_for);
     }
     iso_tf_destroy(&tf);
@@ -105,6 +117,32 @@ iso_status iso_level_make_optimized_fast(const iso_level_subject *s, iso_level_s
 iso_status iso_level_make_optimized(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
 {
     return make_for_scene(s, ISO_EFFORT_NORMAL, shown, err);
+}
+
+iso_status iso_level_make_optimized_best(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    return make_for_scene(s, ISO_EFFORT_BEST, shown, err);
+}
+
+iso_status iso_level_optimize_tf(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    const iso_optimize_options opt = {.effort = ISO_EFFORT_FAST, .seed = 1, .threads = s->threads};
+    iso_level_gate gate = {0};
+    iso_level_seen seen[2];
+    iso_tf tf = {0};
+    iso_tf_table table = {0};
+    iso_status status = iso_tf_from_table(s->before, &tf, err);
+    const iso_scene scene = iso_level_bench_scene(tf);
+    TRY(status, iso_level_gate_open(&gate, s->pyramid, &scene, s->threads, err));
+    TRY(status, iso_optimize_tf(&gate, s->level, &scene, &(iso_shown_level){&shown->level, &shown->tf, NULL}, &opt,
+                                &table, seen, NULL, err));
+    if (status == ISO_OK) {
+        iso_tf_table_destroy(&shown->tf);
+        shown->tf = table;
+    }
+    iso_level_gate_close(&gate);
+    iso_tf_destroy(&tf);
+    return status;
 }
 
 iso_status iso_level_make_fitted(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)

@@ -11,9 +11,12 @@ iso_scene iso_level_bench_scene(iso_tf tf);
 
 /* Shows the scalar that small pictures select (plan/scene_levels.h), under the benchmark's light. */
 iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
-/* The same, with an optimized level (plan/optimize.h) among the candidates, by two efforts. */
+/* The same, with an optimized level (plan/optimize.h) among the candidates, by three efforts. */
 iso_status iso_level_make_optimized_fast(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 iso_status iso_level_make_optimized(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
+iso_status iso_level_make_optimized_best(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
+/* Optimizes the transfer function alone, as `tf adapt --optimize`. */
+iso_status iso_level_optimize_tf(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 /* Shows the fitted scalar without that selection. */
 iso_status iso_level_make_fitted(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 

@@ -25,6 +25,8 @@ static iso_status choose(iso_levels_run *run, iso_error *err)
         return iso_fail_in(err, ISO_E_USAGE, "--against");
     if (iso_renderer_from_name(run->with, &run->renderer, err) != ISO_OK)
         return iso_fail_in(err, ISO_E_USAGE, "--with");
+    if (iso_levels_edit_from_name(run->edit, &run->edited, err) != ISO_OK)
+        return iso_fail_in(err, ISO_E_USAGE, "--edit");
     run->cases.wanted[run->cases.against] = true;
     for (const char *at = run->tfs; *at;) {
         char name[32];
@@ -63,8 +65,10 @@ static iso_status read_tables(iso_levels_run *run, iso_error *err)
     iso_level_cases *c = &run->cases;
     iso_status status = ISO_OK;
     if (run->volume_count > 0)
-        snprintf(c->settings, sizeof c->settings, "%d views of %d pixels; step %g; %s; %s", run->views, run->size,
-                 run->step_voxels, run->renderer->name, run->unshaded ? "unshaded" : "shaded");
+        snprintf(c->settings, sizeof c->settings, "%d views of %d pixels; step %g; %s; %s%s%s", run->views, run->size,
+                 run->step_voxels, run->renderer->name, run->unshaded ? "unshaded" : "shaded",
+                 run->edited->shift != 0 || run->edited->factor != 1 ? "; " : "",
+                 run->edited->shift != 0 || run->edited->factor != 1 ? run->edit : "");
     for (char *at = run->have; at && *at && status == ISO_OK;) {
         char *comma = strchr(at, ',');
         if (comma)
@@ -159,6 +163,7 @@ static const iso_option options[] = {
     {"methods", 0, "compare these methods, or all", "NAMES", ISO_IN(iso_levels_run, methods), .flags = ISO_SHOWN},
     {"against", 0, "divide all errors by this method's", "NAME", ISO_IN(iso_levels_run, against), .flags = ISO_SHOWN},
     {"tfs", 0, "use only these transfer functions", "NAMES", ISO_IN(iso_levels_run, tfs), .flags = ISO_SHOWN},
+    {"edit", 0, "change them after levels for a scene were made, by name", "EDIT", ISO_IN(iso_levels_run, edit)},
     {"views", 0, "use N views from an icosahedron's faces, at most 20", "N", ISO_IN(iso_levels_run, views),
      .flags = ISO_SHOWN},
     {"size", 0, "render N x N pixels", "N", ISO_IN(iso_levels_run, size), .flags = ISO_SHOWN},
@@ -186,7 +191,7 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
     return run_all(r, err);
 }
 
-static const iso_names *const lists[] = {&iso_level_method_names, NULL};
+static const iso_names *const lists[] = {&iso_level_method_names, &iso_levels_edit_names, NULL};
 
 const iso_command iso_lab_levels = {
     .name = "levels",
@@ -203,7 +208,7 @@ const iso_command iso_lab_levels = {
         "ratios to one method's, in two blocks: the given volumes, and those of --held. Cases that show nothing, and\n"
         "those without an error, are left out and counted.\n"
         "Continue an interrupted run with --have TABLE --csv TABLE; without a volume --have prints the tables'\n"
-        "summary.",
+        "summary. --edit changes thresholds by 5 % of the range, or opacities: levels for a scene were made before.",
     .lists = lists,
     .examples =
         "  isoshade make shells --size 48 --type uint8 -o shells.nrrd\n"
@@ -211,6 +216,6 @@ const iso_command iso_lab_levels = {
         "  isoshade-lab levels --have shells.csv --methods default,original\n",
     ISO_COMMAND_OPTIONS(iso_levels_run, options, .views = ISO_LEVELS_MAX_VIEWS, .size = 192, .levels = 4,
                         .step_voxels = 0.5, .with = "gl", .tfs = "opaque,shell,soft,two-material,colored",
-                        .methods = "own", .against = "default"),
+                        .methods = "own", .against = "default", .edit = "none"),
     .run = run,
 };

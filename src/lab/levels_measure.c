@@ -17,6 +17,18 @@
 enum { OPAQUE = 0 };
 const char *const iso_levels_tf_names[ISO_LEVELS_TF_COUNT] = {"opaque", "shell", "soft", "two-material", "colored"};
 
+static const iso_levels_edit edits[] = {
+    {"none", 0, 1}, {"threshold-5", -0.05, 1}, {"threshold+5", 0.05, 1}, {"opacity/2", 0, 0.5}, {"opacity*2", 0, 2}};
+const iso_names iso_levels_edit_names = ISO_NAMES_OF_NAMES("edit", edits);
+
+iso_status iso_levels_edit_from_name(const char *name, const iso_levels_edit **edit, iso_error *err)
+{
+    size_t row;
+    const iso_status status = iso_names_find(&iso_levels_edit_names, name, &row, err);
+    *edit = &edits[status == ISO_OK ? row : 0];
+    return status;
+}
+
 /* ---- pyramids: one per pair of filters of the methods ---- */
 
 typedef struct pyramid_set {
@@ -132,6 +144,7 @@ typedef struct bench_subject {
     const pyramid_set *pyramids;
     const char *tf;
     double finest_alpha;
+    iso_tf_table before; /* an edit; owned by its user */
     iso_view views[ISO_LEVELS_MAX_VIEWS];
     iso_image finest[ISO_LEVELS_MAX_VIEWS];
 } bench_subject;
@@ -228,7 +241,7 @@ static iso_status run_method(iso_levels_run *run, bench_subject *b, size_t level
     const iso_pyramid *p = &b->pyramids->of[m->scalar][m->directions];
     struct iso_level_result *r = &c->results[m - iso_level_method_at(0)];
     iso_level_shown shown;
-    const iso_level_subject s = {p, level, &b->views[0].tf, run->cli->threads};
+    const iso_level_subject s = {p, level, &b->views[0].tf, &b->before, run->cli->threads};
     iso_status status = iso_level_show(m, &s, &shown, err);
     if (status != ISO_OK)
         return status;
@@ -312,11 +325,27 @@ static const char *make_tf(const iso_level *level0, int t, iso_surface_tf *point
     return NULL;
 }
 
+/* Makes the edited transfer function; *before gets the table of the other one. */
+static iso_status edit_tf(const iso_levels_run *run, const iso_pyramid *p, const iso_tf *tf, iso_tf *edited,
+                          iso_tf_table *before, iso_error *err)
+{
+    iso_status status = iso_tf_copy(tf, edited, err);
+    const double range = tf->fit_range ? 1 : iso_pyramid_hi(p) - iso_pyramid_lo(p);
+    for (size_t i = 0; i < edited->point_count; ++i) {
+        edited->points[i].value += run->edited->shift * range;
+        edited->points[i].opacity = fmin(run->edited->factor * edited->points[i].opacity, 1);
+    }
+    TRY(status, iso_tf_tabulate(tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, before, err));
+    return status;
+}
+
 static iso_status run_tf(iso_levels_run *run, const pyramid_set *set, const char *name, const iso_tf *tf,
                          iso_error *err)
 {
     bench_subject b = {.pyramids = set, .tf = name};
-    iso_status status = render_finest(run, tf, &b, err);
+    iso_tf edited = {0};
+    iso_status status = edit_tf(run, set->first, tf, &edited, &b.before, err);
+    TRY(status, render_finest(run, &edited, &b, err));
     for (size_t level = 1; level < set->first->level_count && status == ISO_OK; ++level)
         if (is_wanted_level(run, level))
             status = run_level(run, &b, level, err);
@@ -324,6 +353,8 @@ static iso_status run_tf(iso_levels_run *run, const pyramid_set *set, const char
         iso_view_destroy(&b.views[i]);
         iso_image_destroy(&b.finest[i]);
     }
+    iso_tf_table_destroy(&b.before);
+    iso_tf_destroy(&edited);
     return status;
 }
 

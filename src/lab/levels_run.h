@@ -9,6 +9,14 @@
 #include "renderers/renderers.h"
 #include "scene/views.h"
 
+/* A change of a transfer function: a shift, in parts of the volume's range, and a factor of opacities. Levels for a
+ * scene are made before it, and seen after it. */
+typedef struct iso_levels_edit {
+    const char *name;
+    double shift, factor;
+} iso_levels_edit;
+extern const iso_names iso_levels_edit_names;
+
 enum {
     ISO_LEVELS_MAX_VIEWS = ISO_FACE_VIEWS,
     ISO_LEVELS_MAX_LEVELS = 8,
@@ -27,6 +35,8 @@ typedef struct iso_levels_run {
     const char *with, *tfs, *methods, *against;
     char *held, *csv, *have;
     bool wanted_tf[ISO_LEVELS_TF_COUNT];
+    const char *edit;
+    const iso_levels_edit *edited; /* never NULL */
     const iso_tf *own_tf; /* used instead of these, or NULL */
     bool silent;          /* does not print cases */
     const iso_renderer_info *renderer;
@@ -39,6 +49,9 @@ typedef struct iso_levels_run {
     iso_level_cases cases;
     size_t had_count; /* of these, the first had_count are from earlier runs */
 } iso_levels_run;
+
+/* Finds an edit by its name. ISO_E_USAGE. */
+iso_status iso_levels_edit_from_name(const char *name, const iso_levels_edit **edit, iso_error *err);
 
 /* True if the budget is not used up. */
 bool iso_levels_has_time(iso_levels_run *run);

@@ -66,8 +66,7 @@ iso_status iso_gate_random_view(const iso_pyramid *p, const iso_scene *scene, bo
 
 /* ---- pictures --------------------------------------------------------------------------------------------------- */
 
-/* Averages squares of 2^level pixels. */
-static iso_status make_small(const iso_image *from, size_t level, iso_image *to, iso_error *err)
+iso_status iso_gate_minify(const iso_image *from, size_t level, iso_image *to, iso_error *err)
 {
     const size_t n = (size_t)1 << level, width = (from->width + n - 1) >> level,
                  height = (from->height + n - 1) >> level;
@@ -130,8 +129,8 @@ static iso_status compare(const iso_level_gate *gate, int i, size_t level, const
     iso_image small_truth = {0}, small = {0};
     double small_ssim_dissimilarity = 0;
     iso_status status = measure(&gate->truth[i], image, &seen->of_view[i], &seen->rmse, err);
-    TRY(status, make_small(&gate->truth[i], level, &small_truth, err));
-    TRY(status, make_small(image, level, &small, err));
+    TRY(status, iso_gate_minify(&gate->truth[i], level, &small_truth, err));
+    TRY(status, iso_gate_minify(image, level, &small, err));
     TRY(status, measure(&small_truth, &small, &small_ssim_dissimilarity, &seen->small_rmse, err));
     seen->ssim_dissimilarity += seen->of_view[i] / VIEWS;
     seen->small_ssim_dissimilarity += small_ssim_dissimilarity / VIEWS;

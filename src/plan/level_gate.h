@@ -52,6 +52,9 @@ bool iso_level_gate_is_better(const iso_level_seen *built, const iso_level_seen 
  * its RMSE is not more, in both sizes. */
 bool iso_level_gate_is_nearer(const iso_level_seen *a, const iso_level_seen *optimized);
 
+/* Averages squares of 2^level pixels. ISO_E_MEMORY. */
+iso_status iso_gate_minify(const iso_image *from, size_t level, iso_image *to, iso_error *err);
+
 /* Makes a view of a random direction, in the scene's projection, with pixels of about a fine voxel. own_light: with the
  * scene's lights, otherwise one from a random direction. */
 iso_status iso_gate_random_view(const iso_pyramid *p, const iso_scene *scene, bool own_light, iso_random *r,

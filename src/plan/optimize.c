@@ -11,15 +11,17 @@
 #include "fit/extinction_scale.h"
 #include "render/cpu/adjoint.h"
 
+enum { LEAST_PATCHES = 2 }; /* of a step: more steps are worth more than more patches */
 enum { BUFFERS = 4, MOST_VIEWS = 128, TILE = ISO_ADJOINT_TILE, PIXELS = ISO_ADJOINT_PIXELS };
 
 /* Per step, at first. Larger ones spoil levels that are nearly perfect, and learn noise. */
-#define SCALAR_RATE 0.003f /* of level 0's range */
-#define DIRECTION_RATE 0.02f
-#define OCTAVE_RATE 0.03f
+#define SCALAR_RATE 0.0045f /* of level 0's range */
+#define DIRECTION_RATE 0.03f
+#define OCTAVE_RATE 0.045f
 #define COLOR_RATE 0.02f      /* of the transfer function */
 #define EXTINCTION_RATE 0.04f /* of its logarithm */
 #define LAST_RATE 0.05f       /* of the first */
+#define SMALL_WEIGHT 0.3f     /* of the loss in small: with none the gate refuses more levels of large voxels */
 #define SHIFT 0.08            /* of the transfer function, of level 0's range */
 
 /* samples: rays' samples per coarse voxel */
@@ -28,8 +30,8 @@ static const struct {
     size_t steps, views, samples;
 } efforts[ISO_EFFORT_COUNT] = {
     [ISO_EFFORT_NONE] = {"none", "filters and fits alone, which can be made again from level 0", 0, 0, 0},
-    [ISO_EFFORT_FAST] = {"fast", "a few seconds per million voxels", 200, 64, 250},
-    [ISO_EFFORT_NORMAL] = {"normal", "nine tenths of the gain", 400, 128, 1000},
+    [ISO_EFFORT_FAST] = {"fast", "a few seconds per million voxels", 400, 64, 250},
+    [ISO_EFFORT_NORMAL] = {"normal", "nine tenths of the gain", 800, 128, 1000},
     [ISO_EFFORT_BEST] = {"best", "four times as long", 1600, 128, 4000},
 };
 const iso_names iso_effort_names = ISO_NAMES_OF_ROWS("effort", efforts);
@@ -40,7 +42,7 @@ const iso_names iso_effort_names = ISO_NAMES_OF_ROWS("effort", efforts);
 typedef struct picture {
     iso_view view;
     bool is_edited; /* its transfer function, under which the level has to be shown, too */
-    uint16_t *rgba;
+    uint16_t *rgba, *small; /* small: averaged, so that a pixel is a voxel of the level */
 } picture;
 
 /* Shifts the transfer function, and multiplies its extinction. */
@@ -63,6 +65,7 @@ typedef struct training {
     const iso_optimize_options *opt;
     const iso_shown_level *start;
     const iso_geometry *geometry;
+    size_t level, box, small_side; /* box: side of the squares of pixels that are averaged for pictures in small */
     size_t voxels, view_count, side, patch_count, steps, patches_per_step;
     picture pictures[MOST_VIEWS];
     patch *patches;         /* those of the pictures that show something, and some that show nothing */
@@ -75,32 +78,37 @@ typedef struct training {
     iso_random random;
 } training;
 
-static void encode_picture(const iso_image *image, uint16_t *rgba)
+static uint16_t *encode_picture(const iso_image *image, iso_error *err)
 {
-    for (size_t i = 0; i < 4 * image->width * image->height; ++i) {
+    uint16_t *rgba = malloc(4 * sizeof *rgba * image->width * image->height);
+    if (!rgba)
+        iso_fail(err, ISO_E_MEMORY, "optimize: no memory for pictures of %zu pixels", image->width);
+    for (size_t i = 0; rgba && i < 4 * image->width * image->height; ++i) {
         const double x = (double)image->rgba[i], shown = i % 4 == 3 ? x : iso_srgb_encode(x);
         rgba[i] = (uint16_t)(65535 * fmin(fmax(shown, 0), 1) + 0.5);
     }
+    return rgba;
 }
 
 static iso_status draw_truth(training *t, const iso_scene *scene, size_t i, iso_error *err)
 {
     picture *c = &t->pictures[i];
     iso_cpu_options opt = iso_cpu_defaults();
-    iso_image image = {0};
+    iso_image image = {0}, small = {0};
     iso_status status = iso_gate_random_view(t->p, scene, i % 4 == 0, &t->random, &c->view, err);
-    if (status == ISO_OK && i % 4 == 1)
+    if (status == ISO_OK && i % 4 == 1 && !t->opt->only_tf)
         edit_tf(c, (double)t->range, &t->random);
     opt.threads = t->opt->threads;
     t->side = c->view.width;
     TRY(status, iso_cpu_render(&t->p->levels[0], t->p->options.code, &c->view, &opt, &image, err));
+    TRY(status, iso_gate_minify(&image, t->level, &small, err));
     if (status == ISO_OK) {
-        c->rgba = malloc(4 * sizeof *c->rgba * t->side * t->side);
-        status = c->rgba ? ISO_OK
-                         : iso_fail(err, ISO_E_MEMORY, "optimize: no memory for pictures of %zu pixels", t->side);
+        t->small_side = small.width;
+        c->rgba = encode_picture(&image, err);
+        c->small = encode_picture(&small, err);
+        status = c->rgba && c->small ? ISO_OK : ISO_E_MEMORY;
     }
-    if (status == ISO_OK)
-        encode_picture(&image, c->rgba);
+    iso_image_destroy(&small);
     iso_image_destroy(&image);
     return status;
 }
@@ -149,6 +157,27 @@ static float loss_of(float drawn, uint16_t truth, bool is_alpha, float *slope)
     return length - 0.01f;
 }
 
+/* Adds the derivatives of the loss in small to the slopes. Returns the sum of the losses of the boxes' pixels. A box
+ * that a picture's border cuts does not count. */
+static double loss_in_small(const training *t, const picture *c, const patch *at, const float *rgba, float *slopes)
+{
+    const size_t n = t->box, across = TILE / n, pixels = n * n;
+    double loss = 0;
+    for (size_t i = 0; i < 4 * across * across; ++i) {
+        const size_t x = i / 4 % across * n, y = i / 4 / across * n, k = i % 4;
+        const size_t truth = (at->y + y) / n * t->small_side + (at->x + x) / n;
+        float sum = 0, slope;
+        if (at->x + x + n > t->side || at->y + y + n > t->side)
+            continue;
+        for (size_t j = 0; j < pixels; ++j)
+            sum += rgba[4 * ((y + j / n) * TILE + x + j % n) + k];
+        loss += (double)pixels * (double)loss_of(sum / (float)pixels, c->small[4 * truth + k], k == 3, &slope);
+        for (size_t j = 0; j < pixels; ++j)
+            slopes[4 * ((y + j / n) * TILE + x + j % n) + k] += SMALL_WEIGHT * slope;
+    }
+    return (double)SMALL_WEIGHT * loss;
+}
+
 /* Draws a patch of the level and adds to the gradients of buffer b. Adds the sum of the losses to *loss. */
 static iso_status learn_patch(const training *t, const patch *at, uint32_t seed, int b, double *loss, iso_error *err)
 {
@@ -168,6 +197,8 @@ static iso_status learn_patch(const training *t, const patch *at, uint32_t seed,
         if (x < t->side && y < t->side)
             *loss += (double)loss_of(rgba[i], c->rgba[4 * (y * t->side + x) + i % 4], i % 4 == 3, &slopes[i]);
     }
+    if (status == ISO_OK)
+        *loss += loss_in_small(t, c, at, rgba, slopes);
     TRY(status, iso_adjoint_differentiate(&field, &view, &tile, rgba, slopes, &gradient, err));
     return status;
 }
@@ -250,7 +281,7 @@ static iso_status step(training *t, size_t number, double *loss, iso_error *err)
             TRY(results[b], learn_patch(t, &chosen[i], (uint32_t)(number * t->patches_per_step + i + 1), b, &losses[b],
                                         &errors[b]));
 #pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t i = 0; i < t->voxels; ++i)
+    for (size_t i = 0; i < (t->opt->only_tf ? 0 : t->voxels); ++i)
         move_voxel(t, i, &p);
     move_tf(t, &p);
     free(chosen);
@@ -311,6 +342,7 @@ static void end(training *t)
     for (size_t i = 0; i < t->view_count; ++i) {
         iso_view_destroy(&t->pictures[i].view);
         free(t->pictures[i].rgba);
+        free(t->pictures[i].small);
     }
     for (int b = 0; b < BUFFERS; ++b) {
         free(t->gradients[b]);
@@ -334,7 +366,7 @@ static void plan_steps(training *t)
     const double most = fmax((double)g->size[0], fmax((double)g->size[1], (double)g->size[2]));
     const double wanted = (double)efforts[t->opt->effort].samples * (double)t->voxels;
     t->steps = efforts[t->opt->effort].steps;
-    t->patches_per_step = (size_t)fmax(ceil(wanted / ((double)t->steps * PIXELS * 1.3 * most)), BUFFERS);
+    t->patches_per_step = (size_t)fmax(ceil(wanted / ((double)t->steps * PIXELS * 1.3 * most)), LEAST_PATCHES);
 }
 
 static iso_status learn(training *t, iso_optimized *out, const iso_progress *progress, iso_error *err)
@@ -404,6 +436,8 @@ iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scen
     *t = (training){
         .p = p, .opt = opt, .start = start, .geometry = &p->levels[level].geometry, .random = {.state = opt->seed}};
     t->view_count = efforts[opt->effort].views;
+    t->level = level < 5 ? level : 5; /* a box is at most a patch */
+    t->box = (size_t)1 << t->level;
     status = begin(t, err);
     for (size_t i = 0; i < t->view_count; ++i)
         TRY(status, draw_truth(t, scene, i, err));
@@ -432,10 +466,37 @@ void iso_optimized_destroy(iso_optimized *o)
     *o = (iso_optimized){0};
 }
 
+iso_status iso_optimize_tf(iso_level_gate *gate, size_t level, const iso_scene *scene, const iso_shown_level *start,
+                           const iso_optimize_options *opt, iso_tf_table *tf, iso_level_seen seen[2],
+                           const iso_progress *progress, iso_error *err)
+{
+    static const double rates[] = ISO_OPTIMIZE_RATES;
+    iso_optimize_options own = *opt;
+    iso_status status = iso_level_gate_look(gate, level, start, &seen[0], err);
+    own.only_tf = true;
+    *tf = (iso_tf_table){0};
+    for (size_t i = 0; i < sizeof rates / sizeof *rates && status == ISO_OK && !tf->entries; ++i) {
+        iso_optimized o = {0};
+        own.rate = rates[i];
+        status = iso_optimize_level(gate->p, level, scene, start, &own, &o, progress, err);
+        TRY(status,
+            iso_level_gate_look(gate, level, &(iso_shown_level){start->level, &o.tf, start->scale}, &seen[1], err));
+        if (status == ISO_OK && iso_level_gate_is_nearer(&seen[0], &seen[1])) {
+            *tf = o.tf;
+            o.tf = (iso_tf_table){0};
+        }
+        iso_optimized_destroy(&o);
+    }
+    if (status != ISO_OK || tf->entries)
+        return status;
+    seen[1] = seen[0];
+    return iso_tf_table_copy(start->tf, tf, err);
+}
+
 size_t iso_optimize_bytes(const size_t n[3], iso_effort effort)
 {
     if (effort == ISO_EFFORT_NONE)
         return 0;
     const size_t coarse = ((n[0] + 1) / 2) * ((n[1] + 1) / 2) * ((n[2] + 1) / 2), side = 448;
-    return coarse * sizeof(float) * (5 + 10 + 5 * BUFFERS + 8) + efforts[effort].views * side * side * 8;
+    return coarse * sizeof(float) * (5 + 10 + 5 * BUFFERS + 8) + efforts[effort].views * side * side * 10;
 }

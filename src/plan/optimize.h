@@ -5,7 +5,7 @@
  *     truth    pictures of level 0 from random directions. Most have a light from a random direction, a quarter of them
  *              a shifted transfer function of another opacity, so that the level stands other lights and small edits.
  *     step     patches of these pictures, drawn from the level with its own ray step; loss sqrt(d^2 + .01^2) - .01 of
- *              sRGB and alpha; Adam [kingma-2015] with a falling rate
+ *              sRGB and alpha, at the pixels and in small, with pixels as large as the level's voxels; Adam [kingma-2015] with a falling rate
  *     limits   directions of at most 1; scalars at most half a range beyond level 0's; the extinction scale's bytes
  *
  * The level keeps its size, types and format, so that all renderers and exporters take it. It is made for one transfer
@@ -36,7 +36,8 @@ extern const iso_names iso_effort_names;
 typedef struct iso_optimize_options {
     iso_effort effort;
     uint64_t seed;
-    double rate; /* part of the steps' length, at most 1: short steps learn less noise */
+    double rate;  /* part of the steps' length, at most 1: short steps learn less noise */
+    bool only_tf; /* True: moves the transfer function alone */
     int threads;
     const volatile sig_atomic_t *stop; /* not 0: ends after the current step with the level so far; or NULL */
 } iso_optimize_options;
@@ -57,6 +58,19 @@ iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scen
                               const iso_optimize_options *opt, iso_optimized *out, const iso_progress *progress,
                               iso_error *err);
 void iso_optimized_destroy(iso_optimized *o);
+
+/* Optimizes the transfer function of `start` alone, in long steps, and if the gate's pictures are not nearer, in short
+ * ones. *tf gets it, or a copy of start's if neither is nearer. seen: of both, equal if none was. opt: its rate and
+ * only_tf are not read. Errors as above. */
+iso_status iso_optimize_tf(iso_level_gate *gate, size_t level, const iso_scene *scene, const iso_shown_level *start,
+                           const iso_optimize_options *opt, iso_tf_table *tf, iso_level_seen seen[2],
+                           const iso_progress *progress, iso_error *err);
+
+/* Step lengths to try, until one gives a nearer level. */
+#define ISO_OPTIMIZE_RATES \
+    { \
+        1, 0.25 \
+    }
 
 /* Returns the bytes of buffers for level 1. */
 size_t iso_optimize_bytes(const size_t level0_size[3], iso_effort effort);

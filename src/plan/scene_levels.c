@@ -222,7 +222,7 @@ static iso_status optimize_level(iso_pyramid *p, size_t level, const iso_scene *
                                  const iso_optimize_options *opt, iso_scene_level *made, look *best,
                                  const iso_progress *progress, iso_error *err)
 {
-    static const double rates[] = {1, 0.25};
+    static const double rates[] = ISO_OPTIMIZE_RATES;
     iso_optimize_options own = *opt;
     iso_status status = ISO_OK;
     own.seed += level;

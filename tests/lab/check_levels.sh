@@ -69,6 +69,12 @@ assert len(tried) >= 3, cases
 for k in tried:  # other views than those that chose: a tenth
     assert cases[k + ('for-scene',)] <= 1.1 * min(cases[k + ('default',)], cases[k + ('fitted',)] if k[1] > 1 else 1), (k, cases)
 PY
+# Edited after the levels were made: another truth, and tables that are not mixed with those of another edit.
+expect an_edited_tf_runs 0 "$LAB" "${few[@]}" sphere.nrrd --tfs opaque --methods default,for-scene --edit threshold-5 --csv edit.csv
+expect and_one_that_is_not 0 "$LAB" "${few[@]}" sphere.nrrd --tfs opaque --methods default,for-scene --csv plain.csv
+check they_differ bash -c '! cmp -s <(cut -d, -f7 edit.csv) <(cut -d, -f7 plain.csv)'
+refuse a_table_of_another_edit 4 'threshold-5' "$LAB" "${few[@]}" sphere.nrrd --have edit.csv
+refuse an_unknown_edit 2 'opacity/2' "$LAB" "${few[@]}" sphere.nrrd --edit more
 expect quick_is_small 0 "$LAB" levels shells.nrrd --quick --levels 2 --tfs soft --methods original -q --json
 check two_views_of_96_pixels grep -q '"views": 2' out
 expect a_budget_ends_it 0 "$LAB" "${few[@]}" shells.nrrd shells.nrrd --budget 1e-9 --methods original --json

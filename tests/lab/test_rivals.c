@@ -54,7 +54,7 @@ static double emit_at(rival_maker make, const iso_pyramid *p, const iso_tf_table
     const iso_view view = {.shading = {.ambient = 1, .power = 1}, .tf = *tf};
     OWNED(iso_rival) r = {0};
     OWNED(iso_sampler) sampler;
-    assert_ok(make(&(iso_level_subject){p, 1, tf, 1}, &r, &err));
+    assert_ok(make(&(iso_level_subject){p, 1, tf, tf, 1}, &r, &err));
     assert_ok(iso_sampler_create(&sampler, &p->levels[1], p->options.code, ISO_FROM_CODES, &err));
     const iso_emitter_place at = {&view, &sampler, index, {0, 0, 1}};
     const double extinction = r.emitter.emit(&r.emitter, &at, color);
@@ -234,7 +234,7 @@ TEST(a_ramp_is_shaded_by_its_gradient)
     OWNED(iso_sampler) sampler;
     double color[3], rgbs[4];
     const iso_vec3 at = {4.2, 3.6, 4.4};
-    assert_ok(iso_rival_sggx(&(iso_level_subject){&p, 1, &tf, 1}, &r, &err));
+    assert_ok(iso_rival_sggx(&(iso_level_subject){&p, 1, &tf, &tf, 1}, &r, &err));
     assert_ok(iso_sampler_create(&sampler, &p.levels[1], p.options.code, ISO_FROM_CODES, &err));
     const double extinction = r.emitter.emit(&r.emitter, &(iso_emitter_place){&view, &sampler, at, {0, 0, 1}}, color);
     iso_tf_lookup(&tf, iso_sample_scalar(&sampler, at), rgbs);

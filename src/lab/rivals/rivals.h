@@ -14,7 +14,8 @@
 typedef struct iso_level_subject {
     const iso_pyramid *pyramid; /* built with the method's filters */
     size_t level;
-    const iso_tf_table *tf; /* level 0's */
+    const iso_tf_table *tf;     /* level 0's */
+    const iso_tf_table *before; /* the same before it was edited: levels for a scene are made for it */
     int threads;
 } iso_level_subject;
 
