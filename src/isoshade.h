@@ -387,6 +387,16 @@ typedef struct iso_metrics {
 /* Compares two images. ISO_E_RANGE: empty images, other sizes or origins. Test `max_abs <= limit`: NaN never passes. */
 iso_status iso_metrics_measure(const iso_image *a, const iso_image *b, iso_metrics *metrics, iso_error *err);
 
+/* A region of interest: a finer level inside a box, blended into the level that is rendered around it. */
+typedef struct iso_region {
+    double lo[3], hi[3]; /* the box, in voxels of level 0 */
+    size_t level;        /* inside */
+    double band;         /* blended around the box, 0 to 64 voxels of the level there; 0: a hard edge */
+    const void *reserved[4];
+} iso_region;
+/* Returns a region with full resolution inside, and a band of 2 voxels. */
+iso_region iso_region_of(const double lo[3], const double hi[3]);
+
 /* ---- rendering --------------------------------------------------------------------------------------------------- */
 
 typedef struct iso_frame_options {
@@ -401,7 +411,9 @@ typedef struct iso_frame_options {
     iso_progress_callback progress; /* or NULL */
     void *progress_user;
     bool adapt;                     /* True to adapt the TF to the level */
-    const void *reserved[7];
+    bool extinction_scale;          /* True to scale the extinction of a coarse level's voxels, for their opacity */
+    const iso_region *region;       /* or NULL */
+    const void *reserved[6];
 } iso_frame_options;
 /* Returns the defaults: level 0 with "reference", the scene unchanged. */
 iso_frame_options iso_frame_defaults(void);
@@ -425,7 +437,9 @@ typedef struct iso_export_options {
     iso_progress_callback progress; /* or NULL */
     void *progress_user;
     bool adapt;                     /* True to adapt the TF to each level; for targets with a scene */
-    const void *reserved[7];
+    bool extinction_scale;          /* True to scale the extinction of coarse voxels, for their opacity; needs a scene */
+    const iso_region *region;       /* or NULL; for "blender" and "povray" */
+    const void *reserved[6];
 } iso_export_options;
 /* Returns the defaults: only level 0. */
 iso_export_options iso_export_defaults(void);
@@ -437,6 +451,9 @@ iso_export_options iso_export_defaults(void);
  * ISO_E_PROGRAM. */
 iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const char *target, const char *path,
                       const iso_export_options *options, iso_error *err);
+/* Returns the file of a target that writes one ("vdb", "nanovdb") as bytes, to be freed by iso_free(). */
+iso_status iso_export_bytes(const iso_pyramid *pyramid, const iso_scene *scene, const char *target,
+                            const iso_export_options *options, unsigned char **bytes, size_t *size, iso_error *err);
 
 /* ---- viewer ------------------------------------------------------------------------------------------------------ */
 

@@ -203,6 +203,35 @@ class Pyramids(unittest.TestCase):
         self.assertIn("<canvas", p.page(title="a slab"))
         self.assertTrue(slab()._repr_html_().startswith("<iframe srcdoc="))
 
+    def test_a_region_and_an_extinction_scale_are_options(self):
+        p = iso.Volume(ball(), spacing=(1, 1, 1.25)).build(3)
+        z, y, x = p[0].shape
+        fine, coarse = p.render(size=24), p.render(size=24, level=2, adapt=False)
+        inside = p.render(size=24, level=2, roi=((0, 0, 0), (x, y, z)))
+        self.assertLess(iso.compare(fine, inside).rmse, 0.1 * iso.compare(fine, coarse).rmse)
+        scaled = p.render(size=24, level=2, adapt=False, extinction_scale=True)
+        self.assertGreater(iso.compare(coarse, scaled).max_abs, 1e-4)
+        with self.assertRaisesRegex(iso.Error, "must be finer"):
+            p.render(size=24, level=1, roi=((0, 0, 0), (x, y, z), 1))
+        plain = p.export(None, to="vdb", level=1)
+        self.assertEqual(plain[:4], b" BDV")
+        self.assertNotEqual(len(p.export(None, to="vdb", level=1, extinction_scale=True)), len(plain))
+        p.export("part-pov", to="povray", size=16, level=1, roi=((0, 0, 0), (x / 2, y, z)), adapt=True)
+        self.assertTrue(pathlib.Path("part-pov/part-pov.ini").is_file())
+
+    def test_a_plan_and_a_figure(self):
+        p = iso.Volume(ball(), spacing=(1, 1, 1.25)).build(2)
+        rough, fine = (p.plan(error, size=24, levels=2) for error in (0.1, 1e-4))
+        self.assertLess(rough["bytes"], fine["bytes"])
+        self.assertLessEqual(rough["measured_rmse"], 0.1)
+        for form, magic in ("pdf", b"%PDF"), ("svg", b"<?xml"), ("png", b"\x89PNG"):
+            self.assertEqual(p.figure("tf", format=form, width=85, dpi=60)[:len(magic)], magic)
+        with self.assertRaisesRegex(iso.Error, "best") as caught:
+            p.figure("best")
+        self.assertEqual(caught.exception.status, iso.Status.USAGE)
+        with self.assertRaisesRegex(ValueError, "must be pdf"):
+            p.figure("tf", format="gif")
+
     def test_names_are_listed(self):
         self.assertIn("ct-bone", iso.choices("tf"))
         self.assertIn("povray", iso.choices("export"))

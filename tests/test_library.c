@@ -731,6 +731,83 @@ TEST(bad_options_are_refused)
     iso_volume_free(volume);
 }
 
+/* A region that is the whole volume shows level 0; an extinction scale brings a coarse level nearer to level 0. */
+TEST(a_region_and_an_extinction_scale_are_rendered)
+{
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    iso_scene *scene = a_scene();
+    OWNED(iso_image) fine, coarse, inside, scaled;
+    iso_metrics far, near;
+    const iso_region whole = {.hi = {NX, NY, NZ}};
+    iso_region wrong = iso_region_of(whole.lo, whole.hi);
+    iso_frame_options o = iso_frame_defaults();
+    o.width = o.height = 24;
+    assert_ok(iso_render(pyramid, scene, &o, &fine, &err));
+    o.level = 2;
+    assert_ok(iso_render(pyramid, scene, &o, &coarse, &err));
+    o.region = &whole;
+    assert_ok(iso_render(pyramid, scene, &o, &inside, &err));
+    assert_ok(iso_metrics_measure(&fine, &coarse, &far, &err));
+    assert_ok(iso_metrics_measure(&fine, &inside, &near, &err));
+    assert_more_than(far.max_abs, 1e-2);
+    assert_within(near.max_abs, 0, 1e-5); /* levels place the same samples by other roundings of an index */
+    o.region = NULL;
+    o.extinction_scale = true;
+    assert_ok(iso_render(pyramid, scene, &o, &scaled, &err));
+    assert_ok(iso_metrics_measure(&coarse, &scaled, &far, &err));
+    assert_more_than(far.max_abs, 1e-4);
+    wrong.level = 2;
+    o.region = &wrong;
+    iso_image none;
+    assert_fails(iso_render(pyramid, scene, &o, &none, &err), ISO_E_RANGE, "must be finer than level 2");
+    wrong.level = 0;
+    wrong.band = 65;
+    assert_fails(iso_render(pyramid, scene, &o, &none, &err), ISO_E_RANGE, "band is 65");
+    iso_scene_free(scene);
+    iso_pyramid_free(pyramid);
+}
+
+/* Length of a file; fails the test if there is none. */
+static long file_length(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 0, SEEK_END), 0);
+    const long length = ftell(file);
+    fclose(file);
+    return length;
+}
+
+TEST(a_vdb_in_memory_is_that_of_a_file)
+{
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    iso_scene *scene = a_scene();
+    unsigned char *bytes, *scaled;
+    size_t size, scaled_size;
+    char path[512];
+    snprintf(path, sizeof path, "%s/memory.vdb", folder);
+    iso_export_options o = iso_export_defaults();
+    o.level = 1;
+    assert_ok(iso_export(pyramid, NULL, "vdb", path, &o, &err));
+    assert_ok(iso_export_bytes(pyramid, NULL, "vdb", &o, &bytes, &size, &err));
+    assert_int_equal(size, file_length(path));
+    assert_memory_equal(bytes, " BDV", 4);
+    o.extinction_scale = true; /* one more grid */
+    assert_ok(iso_export_bytes(pyramid, scene, "vdb", &o, &scaled, &scaled_size, &err));
+    assert_more_than(scaled_size, size);
+    iso_free(bytes);
+    iso_free(scaled);
+    assert_fails(iso_export_bytes(pyramid, NULL, "vdb", &o, &bytes, &size, &err), ISO_E_USAGE, "for a scene");
+    assert_null(bytes);
+    assert_fails(iso_export_bytes(pyramid, scene, "povray", NULL, &bytes, &size, &err), ISO_E_USAGE, "one file");
+    const iso_region whole = {.hi = {NX, NY, NZ}};
+    o = iso_export_defaults();
+    o.region = &whole;
+    assert_fails(iso_export(pyramid, NULL, "vdb", path, &o, &err), ISO_E_USAGE, "no region");
+    iso_scene_free(scene);
+    iso_pyramid_free(pyramid);
+}
+
 TEST(levels_that_are_not_there_are_refused)
 {
     iso_pyramid *pyramid = ramp_pyramid(false);

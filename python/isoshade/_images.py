@@ -50,10 +50,7 @@ class Image(np.ndarray):
         s, _pixels = _struct(self)
         data, size = ctypes.c_void_p(), ctypes.c_size_t()
         native.call("iso_image_png", byref(s), 1.0, byref(data), byref(size))
-        try:
-            return ctypes.string_at(data, size.value)
-        finally:
-            native.lib.iso_free(data)
+        return native.take_bytes(data, size)
 
 
 def load_image(path) -> Image:

@@ -90,17 +90,23 @@ class MetricsStruct(ctypes.Structure):
                 ("reserved", c_double * 8)]
 
 
+class Region(ctypes.Structure):
+    _fields_ = [("lo", c_double * 3), ("hi", c_double * 3), ("level", c_size_t), ("band", c_double),
+                ("reserved", c_void_p * 4)]
+
+
 class FrameOptions(ctypes.Structure):
     _fields_ = [("renderer", c_char_p), ("level", c_size_t), ("width", c_size_t), ("height", c_size_t),
                 ("tf", c_void_p), ("shading", c_char_p), ("step_voxels", c_double), ("samples", c_int), ("seed", c_int),
                 ("threads", c_int), ("progress", PROGRESS), ("progress_user", c_void_p), ("adapt", c_bool),
-                ("reserved", c_void_p * 7)]
+                ("extinction_scale", c_bool), ("region", POINTER(Region)), ("reserved", c_void_p * 6)]
 
 
 class ExportOptions(ctypes.Structure):
     _fields_ = [("level", c_size_t), ("level_count", c_size_t), ("width", c_size_t), ("height", c_size_t),
                 ("tf", c_void_p), ("half_float", c_bool), ("threads", c_int), ("progress", PROGRESS),
-                ("progress_user", c_void_p), ("adapt", c_bool), ("reserved", c_void_p * 7)]
+                ("progress_user", c_void_p), ("adapt", c_bool), ("extinction_scale", c_bool),
+                ("region", POINTER(Region)), ("reserved", c_void_p * 6)]
 
 
 class PageOptions(ctypes.Structure):
@@ -136,7 +142,8 @@ class ValidationResult(ctypes.Structure):
 # The structs by their names in C, for a test that compares their sizes.
 STRUCTS = {"iso_error": ErrorText, "iso_grid": Grid, "iso_open_options": OpenOptions, "iso_build_options": BuildOptions,
            "iso_level_view": LevelView, "iso_tf_point": TfPoint, "iso_look_options": LookOptions,
-           "iso_image": ImageStruct, "iso_metrics": MetricsStruct, "iso_frame_options": FrameOptions,
+           "iso_image": ImageStruct, "iso_metrics": MetricsStruct, "iso_region": Region,
+           "iso_frame_options": FrameOptions,
            "iso_export_options": ExportOptions, "iso_page_options": PageOptions, "iso_frame_request": FrameRequest,
            "iso_own_renderer": OwnRenderer, "iso_validate_options": ValidateOptions,
            "iso_validation_result": ValidationResult}
@@ -196,6 +203,7 @@ _FUNCTIONS = {
     "iso_render": (None, [_P, _P, POINTER(FrameOptions), POINTER(ImageStruct), _P]),
     "iso_export_defaults": (ExportOptions, []),
     "iso_export": (None, [_P, _P, c_char_p, c_char_p, POINTER(ExportOptions), _P]),
+    "iso_export_bytes": (None, [_P, _P, c_char_p, POINTER(ExportOptions), _P, _P, _P]),
     "iso_view_page": (None, [_P, _P, POINTER(PageOptions), _P, _P]),
     "iso_validate_defaults": (ValidateOptions, []),
     "iso_validate": (None, [_P, POINTER(ValidateOptions), POINTER(ValidationResult), _P]),
@@ -257,6 +265,14 @@ def take_text(pointer):
     """Returns a text that the library made, and frees it."""
     try:
         return ctypes.string_at(pointer).decode()
+    finally:
+        lib.iso_free(pointer)
+
+
+def take_bytes(pointer, size):
+    """Returns bytes that the library made, and frees them."""
+    try:
+        return ctypes.string_at(pointer, size.value)
     finally:
         lib.iso_free(pointer)
 

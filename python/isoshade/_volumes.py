@@ -9,6 +9,7 @@ from typing import Callable, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _native as native
+from . import _programs
 from ._images import Image
 from ._scenes import Scene, Tf, scene_for
 
@@ -61,6 +62,13 @@ def _spacing_of_coordinates(array):
 
 def _restore(array, matrix):
     return Volume(array, index_to_world=matrix)
+
+
+def _take_region(options, roi):
+    """Sets the region of interest of a struct of options: a box in voxels of level 0, and the level inside."""
+    if roi is not None:
+        lo, hi, *rest = roi
+        options.region = ctypes.pointer(native.Region(tuple(lo), tuple(hi), *(rest or (0,)), 2))
 
 
 class Volume(native.Handle):
@@ -218,18 +226,23 @@ class Pyramid(native.Handle):
         return scene_for(self, None, tf, view, zoom, size)
 
     def render(self, *, scene=None, tf=None, view: Optional[str] = None, zoom: float = 0, size=None, level: int = 0,
-               adapt: bool = True, renderer: str = "cpu", shading: Optional[str] = None, step: float = 0,
+               adapt: bool = True, extinction_scale: bool = False, roi=None,
+               renderer: Optional[str] = None, shading: Optional[str] = None, step: float = 0,
                samples: int = 0, seed: int = 0, threads: int = 0, progress: Progress = None) -> Image:
         """Renders a level: float32, shape (height, width, 4), linear light, color multiplied by alpha.
 
         scene: a Scene or a file; None: automatic. tf: a Tf, a preset or a file. view: a name, or "AZ,EL" in degrees.
-        size: pixels, one number or (width, height). adapt: adapts the transfer function to coarse levels.
-        renderer: "cpu", "gl", "reference" (exact and slow) ... step: along rays, in voxels; 0: the renderer's own.
+        size: pixels, one number or (width, height). adapt: adapts the transfer function to coarse levels;
+        extinction_scale: their voxels' extinction, too. roi: ((x0, y0, z0), (x1, y1, z1)) in voxels of level 0, shown
+        finer than the rest, by level 0 or a third element. renderer: "cpu", with roi "gl"; "reference" (exact and slow)
+        ... step: along rays, in voxels; 0: the renderer's own.
         """
         made = scene_for(self, scene, tf, view, zoom, size)
         o, image = native.lib.iso_frame_defaults(), native.ImageStruct()
+        renderer = renderer or ("cpu" if roi is None else "gl")
         o.renderer, o.level, o.adapt, o.threads = native.text(renderer), level, adapt and level > 0, threads
-        o.step_voxels, o.samples, o.seed = step, samples, seed
+        o.step_voxels, o.samples, o.seed, o.extinction_scale = step, samples, seed, extinction_scale
+        _take_region(o, roi)
         if shading:
             o.shading = native.text(shading)
         native.call_long("iso_render", self._pointer, made._pointer, byref(o), byref(image), options=o,
@@ -237,18 +250,47 @@ class Pyramid(native.Handle):
         return Image._taken(image)
 
     def export(self, path, *, to: Optional[str] = None, scene=None, tf=None, view: Optional[str] = None, size=None,
-               level: int = 0, levels: int = 1, adapt: bool = False, half: bool = False, threads: int = 0,
-               progress: Progress = None) -> None:
-        """Exports levels for another program. to: the target, by default by the name's ending (.vdb, .blend, .nvdb)."""
-        target = to or _TARGETS.get(os.path.splitext(os.fspath(path))[1])
+               level: int = 0, levels: int = 1, adapt: bool = False, extinction_scale: bool = False, roi=None,
+               half: bool = False, threads: int = 0, progress: Progress = None) -> Optional[bytes]:
+        """Exports levels for another program. to: the target, by default by the name's ending (.vdb, .blend, .nvdb).
+
+        path None, with to="vdb" or "nanovdb": returns the file. extinction_scale, roi: as for render().
+        """
+        target = to or _TARGETS.get(os.path.splitext(os.fspath(path))[1] if path is not None else "")
         if not target:
             raise ValueError(f"{path}: no target has this ending; name one by to=: {', '.join(native.choices(7))}")
-        needs_scene = target not in ("vdb", "nanovdb")
+        needs_scene = target not in ("vdb", "nanovdb") or extinction_scale
         made = scene_for(self, scene, tf, view, 0, size) if needs_scene else None
         o = native.lib.iso_export_defaults()
         o.level, o.level_count, o.half_float, o.adapt, o.threads = level, levels, half, adapt, threads
+        o.extinction_scale = extinction_scale
+        _take_region(o, roi)
+        if path is None:
+            data, count = ctypes.c_void_p(), c_size_t()
+            native.call_long("iso_export_bytes", self._pointer, made and made._pointer, native.text(target), byref(o),
+                             byref(data), byref(count), options=o, progress=progress)
+            return native.take_bytes(data, count)
         native.call_long("iso_export", self._pointer, made and made._pointer, native.text(target), native.text(path),
                          byref(o), options=o, progress=progress)
+
+    def plan(self, error: float = 1 / 255, *, scene=None, tf=None, view: Optional[str] = None, size=None,
+             levels: int = 4) -> dict:
+        """Plans the smallest model whose picture has at most this RMSE: the content of `isoshade plan -o`, which
+        `isoshade export --plan` takes. Runs the program isoshade."""
+        return _programs.plan(self, scene_for(self, scene, tf, view, 0, size), error, levels)
+
+    def figure(self, kind: str = "levels", *, format: str = "pdf", scene=None, tf=None, view: Optional[str] = None,
+               size=None, width: float = 178, dpi: float = 300, levels: int = 0,
+               renderers: Optional[str] = None) -> bytes:
+        """Returns a publication figure, `width` mm wide, as "pdf", "svg" or "png". Runs the program isoshade.
+
+        kind: "levels", "renderers", "tf" ... (`isoshade figure`). levels, renderers ("gl,povray"): of kinds with them.
+        """
+        options = ["--width", repr(float(width)), "--dpi", repr(float(dpi))]
+        levels = levels or (min(4, len(self)) if kind in ("levels", "grid") else 0)
+        options += ["--levels", str(levels)] if levels else []
+        options += ["--with", renderers] if renderers else []
+        return _programs.figure(self, scene_for(self, scene, tf, view, 0, size), kind, format, options)
 
     def page(self, *, scene=None, tf=None, view: Optional[str] = None, title: Optional[str] = None,
              most_voxels: int = 0, compact: bool = False, progress: Progress = None) -> str:

@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* export.c - export of the library's interface, by the table of targets. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/temporary.h"
 #include "library/shared.h"
 #include "targets/targets.h"
 
@@ -18,7 +23,16 @@ static iso_status view_of_level(const iso_export_job *job, size_t level, iso_vie
 {
     const look *l = job->user;
     const iso_export_options *o = l->given;
-    const iso_library_look shown = {l->scene, o->tf, o->width, o->height, o->adapt};
+    /* Levels as fine as the region do not need it, except the last, which it is checked for. */
+    const bool has_region = o->region && (level > o->region->level || level + 1 == o->level + o->level_count);
+    const iso_library_look shown = {l->scene,
+                                    o->tf,
+                                    o->width,
+                                    o->height,
+                                    o->adapt,
+                                    o->extinction_scale,
+                                    has_region ? o->region : NULL,
+                                    o->threads};
     return iso_library_view(&shown, job->pyramid, level, view, err);
 }
 
@@ -45,6 +59,12 @@ static iso_status check_options(const iso_export_target *t, const iso_scene *sce
         return iso_fail(err, ISO_E_USAGE, "export to %s has no half floats", t->name);
     if (o->adapt && !(iso_export_takes(t, ISO_EXPORT_SCENE) && iso_export_takes(t, ISO_EXPORT_ADAPT)))
         return iso_fail(err, ISO_E_USAGE, "export to %s adapts no transfer function", t->name);
+    if (o->region && !iso_export_takes(t, ISO_EXPORT_ROI))
+        return iso_fail(err, ISO_E_USAGE, "export to %s has no region of interest", t->name);
+    if (o->extinction_scale && !iso_export_takes(t, ISO_EXPORT_EXTINCTION_SCALE))
+        return iso_fail(err, ISO_E_USAGE, "export to %s has no extinction scale", t->name);
+    if (o->extinction_scale && !scene)
+        return iso_fail(err, ISO_E_USAGE, "an extinction scale is made for a scene, and there is none");
     return ISO_OK;
 }
 
@@ -66,6 +86,7 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
                                 .output = path,
                                 .view = &view,
                                 .half_float = given.half_float,
+                                .is_shown = given.extinction_scale && iso_export_takes(t, ISO_EXPORT_SHOWN),
                                 .threads = given.threads,
                                 .progress = &call.progress,
                                 .user = &l,
@@ -73,9 +94,31 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
     iso_call_begin(&call, given.progress, given.progress_user);
     status = check_options(t, scene, &given, err);
     TRY(status, check_levels(pyramid, &given, err));
-    if (status == ISO_OK && iso_export_takes(t, ISO_EXPORT_SCENE))
+    if (status == ISO_OK && (iso_export_takes(t, ISO_EXPORT_SCENE) || given.extinction_scale))
         status = iso_scene_view(scene, pyramid, given.tf, given.width, given.height, &view, err);
     TRY(status, t->write(&job, err));
     iso_view_destroy(&view);
     return iso_call_end(&call, status, err);
+}
+
+iso_status iso_export_bytes(const iso_pyramid *pyramid, const iso_scene *scene, const char *target,
+                            const iso_export_options *options, unsigned char **bytes, size_t *size, iso_error *err)
+{
+    const bool is_file = strcmp(target, "vdb") == 0 || strcmp(target, "nanovdb") == 0;
+    char *dir = NULL, *path = NULL, *data = NULL;
+    *bytes = NULL;
+    *size = 0;
+    if (!is_file)
+        return iso_fail(err, ISO_E_USAGE, "target is \"%s\", must be vdb or nanovdb, which are one file", target);
+    iso_status status = (dir = iso_make_temp_dir()) ? ISO_OK : iso_temp_dir_fail(err);
+    if (dir && !(path = iso_path_join(dir, target[0] == 'v' ? "grids.vdb" : "grids.nvdb")))
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    TRY(status, iso_export(pyramid, scene, target, path, options, err));
+    TRY(status, iso_file_read(path, &data, size, err));
+    *bytes = (unsigned char *)data;
+    if (dir)
+        iso_remove_tree(dir);
+    free(dir);
+    free(path);
+    return status;
 }

@@ -67,8 +67,9 @@ iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const 
     iso_call_begin(&call, given.progress, given.progress_user);
     iso_status status = take_options(&given, &o, err);
     TRY(status, iso_pyramid_check_level(pyramid, NULL, given.level, err));
-    TRY(status, iso_library_view(&(iso_library_look){scene, given.tf, given.width, given.height, given.adapt}, pyramid,
-                                 given.level, &view, err));
+    TRY(status, iso_library_view(&(iso_library_look){scene, given.tf, given.width, given.height, given.adapt,
+                                                     given.extinction_scale, given.region, given.threads},
+                                 pyramid, given.level, &view, err));
     TRY(status, iso_render_with(&(iso_render_request){&renderers, pyramid, given.level, &view, &o, &call.progress},
                                 image, NULL, err));
     TRY(status, iso_progress_check(&call.progress, err));

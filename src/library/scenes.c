@@ -4,9 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/extinction_scale.h"
 #include "library/shared.h"
 #include "scene/level_view.h"
+#include "scene/roi.h"
 #include "scene/subject.h"
+#include "tf/adapt.h"
 
 /* Where messages and the names of files start from, for a scene that has no file. */
 static const char no_file[] = "the scene";
@@ -184,19 +187,72 @@ iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const is
                : status;
 }
 
+iso_region iso_region_of(const double lo[3], const double hi[3])
+{
+    return (iso_region){.lo = {lo[0], lo[1], lo[2]}, .hi = {hi[0], hi[1], hi[2]}, .band = ISO_ROI_BAND};
+}
+
+/* Replaces the view's TF by one adapted to the level. With an extinction scale that is always better (fit/). */
+static iso_status adapt(const iso_library_look *look, const iso_pyramid *p, size_t level, iso_view *view,
+                        iso_error *err)
+{
+    iso_adapt_options o = iso_adapt_defaults();
+    iso_tf_table table = {0};
+    o.threads = look->threads;
+    o.fall_back = o.fall_back && !look->extinction_scale;
+    const iso_status status = iso_adapt_level(p, level, &view->tf, &o, &table, NULL, err);
+    if (status == ISO_OK) {
+        iso_tf_table_destroy(&view->tf);
+        view->tf = table;
+    }
+    return status;
+}
+
+static iso_status add_region(const iso_library_look *look, const iso_pyramid *p, size_t level, iso_view *view,
+                             iso_error *err)
+{
+    const iso_region *r = look->region;
+    const iso_roi_options o = {.lo = {r->lo[0], r->lo[1], r->lo[2]},
+                               .hi = {r->hi[0], r->hi[1], r->hi[2]},
+                               .level = r->level,
+                               .band = r->band};
+    iso_library_look within = *look;
+    iso_view inside = {0};
+    within.region = NULL;
+    within.extinction_scale = false;
+    if (!(r->band >= 0 && r->band <= 64))
+        return iso_fail(err, ISO_E_RANGE, "the region's band is %g, must be 0 to 64 voxels", r->band);
+    if (r->level >= level)
+        return iso_fail(err, ISO_E_RANGE, "the region has level %zu, must be finer than level %zu around it", r->level,
+                        level);
+    iso_status status = iso_library_view(&within, p, r->level, &inside, err);
+    if (status == ISO_OK && inside.extinction_scale)
+        status = iso_fail(err, ISO_E_USAGE, "the region's level %zu has an extinction scale; use level 0", r->level);
+    if (status == ISO_OK && !(view->roi = calloc(1, sizeof *view->roi)))
+        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
+    TRY(status, iso_roi_create(p, level, &inside.tf, &o, view->roi, err));
+    iso_view_destroy(&inside);
+    return status;
+}
+
 iso_status iso_library_view(const iso_library_look *look, const iso_pyramid *p, size_t level, iso_view *view,
                             iso_error *err)
 {
-    iso_tf *adapted = NULL;
+    iso_tf_table original = {0};
     bool found = false;
     iso_status status = iso_scene_view(look->scene, p, look->tf, look->width, look->height, view, err);
     TRY(status, iso_view_take_level(view, p, level, &found, err));
-    if (status != ISO_OK || found || !look->adapt)
-        return status;
-    iso_view_destroy(view);
-    status = iso_tf_adapt(look->tf ? look->tf : &look->scene->tf, p, level, &adapted, err);
-    TRY(status, iso_scene_view(look->scene, p, adapted, look->width, look->height, view, err));
-    iso_tf_free(adapted);
+    if (status == ISO_OK && look->region)
+        status = add_region(look, p, level, view, err);
+    const bool scales = look->extinction_scale && !found && level > 0;
+    if (status == ISO_OK && scales)
+        status = iso_tf_table_copy(&view->tf, &original, err);
+    if (status == ISO_OK && look->adapt && !found && level > 0)
+        status = adapt(look, p, level, view, err);
+    if (status == ISO_OK && scales)
+        status = iso_extinction_scale_level(p, level, &original, &view->tf, look->threads, &view->extinction_scale,
+                                            err);
+    iso_tf_table_destroy(&original);
     return status;
 }
 

@@ -33,9 +33,12 @@ typedef struct iso_library_look {
     const iso_scene *scene;
     const iso_tf *tf;     /* NULL: the scene's */
     size_t width, height; /* 0: the scene's */
-    bool adapt;
+    bool adapt, extinction_scale;
+    const iso_region *region; /* or NULL */
+    int threads;
 } iso_library_look;
-/* Resolves the scene for a level: as it was made to be shown (scene/level_view.h), or adapted if asked for. */
+/* Resolves the scene for a level: as it was made to be shown (scene/level_view.h), or adapted if asked for; with an
+ * extinction scale and a region of interest. */
 iso_status iso_library_view(const iso_library_look *look, const iso_pyramid *p, size_t level, iso_view *view,
                             iso_error *err);
 
