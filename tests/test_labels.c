@@ -4,6 +4,7 @@
 #include "test.h"
 
 #include "volume/labels.h"
+#include "volume/segments.h"
 
 /* ---- a slab of two labels, looked at across ---- */
 
@@ -341,6 +342,41 @@ TEST(labels_are_told_from_intensities)
 }
 
 /* An atlas of a brain has 600 to 2,000 regions. A file that has more values than labels may be is told. */
+/* Fills a volume of 32-bit integers with ids in turn, numbers them, and checks that they have the numbers wanted. */
+static void check_numbers(iso_type type, const double *ids, const int *wanted, size_t count)
+{
+    const size_t size[3] = {8, 7, 5};
+    const iso_geometry g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
+    const size_t voxels = iso_geometry_voxel_count(&g);
+    OWNED(iso_volume) v;
+    iso_label_facts facts;
+    assert_ok(iso_volume_create(&v, &g, type, "ids", &err));
+    for (size_t i = 0; i < voxels; ++i) {
+        const int64_t id = (int64_t)ids[i / 3 % count];
+        ((uint32_t *)v.data)[i] = (uint32_t)id;
+    }
+    assert_ok(iso_labels_look_at(&v, true, &facts, &err));
+    assert_true(facts.is_far && facts.is_sparse && !facts.has_too_many);
+    assert_int_equal(facts.count, count);
+    iso_labels_number(&v, &facts);
+    assert_int_equal(v.type, ISO_I16);
+    for (size_t i = 0; i < voxels; ++i)
+        assert_int_equal(((int16_t *)v.data)[i], wanted[i / 3 % count]);
+    for (size_t i = 0; i < count; ++i) {
+        char digits[24];
+        snprintf(digits, sizeof digits, "%.0f", ids[i]);
+        const json_t *id = json_object_get(iso_segments_find(v.segments, wanted[i]), "id");
+        assert_string_equal(iso_segments_name(v.segments, wanted[i]), ids[i] != 0 ? digits : "");
+        assert_true(ids[i] == 0 || (double)json_integer_value(id) == ids[i]);
+    }
+}
+
+TEST(values_far_apart_get_numbers_and_keep_their_ids)
+{
+    check_numbers(ISO_U32, (double[]){614454277, 0, 997, 4000000000, 70000}, (int[]){3, 0, 1, 4, 2}, 5);
+    check_numbers(ISO_I32, (double[]){70000, -5, 3, -200000}, (int[]){2, -1, 1, -2}, 4); /* 0 is no other's */
+}
+
 TEST(an_atlas_of_many_labels_is_a_map)
 {
     const size_t size[3] = {60, 60, 60};

@@ -82,6 +82,9 @@ static void print_segments(const json_t *segments)
         const long label = (long)json_integer_value(json_object_get(segment, "label"));
         double srgb[3];
         printf("  label      %ld: %s", label, json_string_value(json_object_get(segment, "name")));
+        const json_t *id = json_object_get(segment, "id");
+        if (id)
+            printf(", value %" JSON_INTEGER_FORMAT, json_integer_value(id));
         if (iso_segments_color(segments, label, srgb))
             printf(", color #%02x%02x%02x", (unsigned)(255 * srgb[0] + 0.5), (unsigned)(255 * srgb[1] + 0.5),
                    (unsigned)(255 * srgb[2] + 0.5));

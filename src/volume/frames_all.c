@@ -75,7 +75,12 @@ iso_status iso_frames_labels(const char *path, const iso_volume_input *input, si
             frames = iso_source_volume(source)->notes.frame_count;
             iso_source_close(source);
         }
-        TRY(status, iso_volume_input_labels(path, &one, &labels, err));
+        iso_label_facts facts;
+        TRY(status, iso_volume_input_look(path, &one, &labels, &facts, err));
+        if (status == ISO_OK && labels > 0 && facts.is_sparse)
+            status = iso_fail(err, ISO_E_RANGE,
+                              "%s: labels of %.0f to %.0f would get other numbers in each frame; choose one by --frame",
+                              path, facts.value[0], facts.value[facts.count - 1]);
         if (status != ISO_OK)
             return status;
         *(labels ? &with : &without) = k + 1;

@@ -145,26 +145,39 @@ static iso_status count_labels(const char *path, bool said, const iso_label_fact
     if (said && facts->has_too_many)
         return iso_fail(
             err, ISO_E_RANGE,
-            "%s: a label map, but with more than %d values, or some beyond -32768 to 65535 (--no-labels reads intensities)",
-            path, ISO_LABELS_MAX_COUNT);
+            "%s: a label map, but with more than %d values (--no-labels reads intensities)", path,
+            ISO_LABELS_MAX_COUNT);
     return ISO_OK;
 }
 
-iso_status iso_volume_input_labels(const char *path, const iso_volume_input *in, size_t *count, iso_error *err)
+iso_status iso_volume_input_look(const char *path, const iso_volume_input *in, size_t *count, iso_label_facts *facts,
+                                 iso_error *err)
 {
     iso_volume_source *source;
-    iso_label_facts facts = {0};
     bool look = false;
     *count = 0;
+    *facts = (iso_label_facts){0};
     iso_status status = iso_volume_input_open(path, in, &source, err);
     if (status != ISO_OK)
         return status;
     const bool said = in->labels || iso_source_volume(source)->notes.says_labels;
     status = check_labels(path, in, iso_source_volume(source), &look, err);
     if (status == ISO_OK && look)
-        status = iso_labels_look(source, said, &facts, err);
+        status = iso_labels_look(source, said, facts, err);
     iso_source_close(source);
-    return status == ISO_OK ? count_labels(path, said, &facts, count, err) : status;
+    return status == ISO_OK ? count_labels(path, said, facts, count, err) : status;
+}
+
+iso_status iso_volume_input_labels(const char *path, const iso_volume_input *in, size_t *count, iso_error *err)
+{
+    iso_label_facts facts;
+    const iso_status status = iso_volume_input_look(path, in, count, &facts, err);
+    if (status == ISO_OK && *count > 0 && facts.is_far)
+        return iso_fail(err, ISO_E_RANGE,
+                        "%s: labels of %.0f to %.0f, those of a pyramid have 16 bits; render, view and export number "
+                        "them",
+                        path, facts.value[0], facts.value[facts.count - 1]);
+    return status;
 }
 
 static iso_status note_labels(const char *path, const iso_volume_input *in, iso_volume *v, iso_error *err)
@@ -175,7 +188,10 @@ static iso_status note_labels(const char *path, const iso_volume_input *in, iso_
     iso_status status = check_labels(path, in, v, &look, err);
     if (status == ISO_OK && look)
         status = iso_labels_look_at(v, said, &facts, err);
-    return status == ISO_OK ? count_labels(path, said, &facts, &v->notes.label_count, err) : status;
+    TRY(status, count_labels(path, said, &facts, &v->notes.label_count, err));
+    if (status == ISO_OK && v->notes.label_count > 0 && facts.is_sparse)
+        iso_labels_number(v, &facts);
+    return status;
 }
 
 iso_status iso_volume_input_load_source(iso_volume_source *source, const char *path, const iso_volume_input *in,

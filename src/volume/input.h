@@ -5,7 +5,7 @@
 #ifndef ISO_VOLUME_INPUT_H
 #define ISO_VOLUME_INPUT_H
 
-#include "volume/stream.h"
+#include "volume/labels.h"
 
 typedef struct iso_volume_input {
     char *raw_size, *raw_type, *raw_spacing; /* borrowed; "40x56x33", "uint8", "1x1x2.5" */
@@ -29,6 +29,10 @@ iso_status iso_volume_input_load_source(iso_volume_source *source, const char *p
                                         iso_volume *v, iso_error *err);
 /* Counts the labels of a volume that is a label map, by the caller's hint or by its samples; 0: intensities. It
  * reads only as far as needed. iso_volume_input_load() leaves the count in the notes. */
+iso_status iso_volume_input_look(const char *path, const iso_volume_input *input, size_t *count,
+                                 iso_label_facts *facts, iso_error *err);
+/* Does the same for a volume that is read by planes. ISO_E_RANGE for labels beyond 16 bits, which only
+ * iso_volume_input_load() numbers. */
 iso_status iso_volume_input_labels(const char *path, const iso_volume_input *input, size_t *count, iso_error *err);
 
 #endif

@@ -13,6 +13,8 @@
 #ifndef ISO_VOLUME_LABELS_H
 #define ISO_VOLUME_LABELS_H
 
+#include <jansson.h>
+
 #include "volume/stream.h"
 
 enum { ISO_LABELS_MAX_COUNT = 2048, ISO_LABELS_MIN_VOXELS = 32, ISO_LABELS_MIN_COUNT = 3 };
@@ -22,8 +24,10 @@ enum { ISO_LABELS_MAX_COUNT = 2048, ISO_LABELS_MIN_VOXELS = 32, ISO_LABELS_MIN_C
 typedef struct iso_label_facts {
     size_t count;              /* number of different values, at most ISO_LABELS_MAX_COUNT + 1 */
     double twice, next;        /* parts as above; 0 if nothing changes */
-    bool is_map, has_too_many; /* is_map: by this rule; has_too_many: more values than ISO_LABELS_MAX_COUNT, or too
-                                * large ones */
+    bool is_map, has_too_many; /* is_map: by this rule; has_too_many: more values than ISO_LABELS_MAX_COUNT */
+    bool is_far, is_sparse;    /* True if some values are beyond -32768 to 65535; or too far apart for a transfer
+                                * function */
+    double value[ISO_LABELS_MAX_COUNT + 1]; /* the values, ascending */
 } iso_label_facts;
 
 /* Reads as many planes as needed for a decision, or all; none if the type is not an integer. The source may be closed
@@ -31,5 +35,12 @@ typedef struct iso_label_facts {
 iso_status iso_labels_look(iso_volume_source *source, bool all, iso_label_facts *facts, iso_error *err);
 /* Does the same for a volume in memory. */
 iso_status iso_labels_look_at(const iso_volume *v, bool all, iso_label_facts *facts, iso_error *err);
+
+/* Returns the names of sparse labels by their numbers, as segments.h has them, with their values as "id": those of
+ * `given`, which has names by values and may be NULL, or the values in digits. A new array. */
+json_t *iso_labels_names(const iso_label_facts *facts, const json_t *given);
+/* Replaces values by consecutive numbers of 16 bits, in their order; 0 stays 0. v has the values of the facts alone,
+ * whose type has 16 bits or more. Its segments become those of iso_labels_names(). */
+void iso_labels_number(iso_volume *v, const iso_label_facts *facts);
 
 #endif

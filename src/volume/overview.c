@@ -77,7 +77,15 @@ static iso_status make_slab(slab_reading *s, const iso_volume *header, size_t pl
     s->slab.data = malloc(s->planes * plane_bytes);
     if (!s->slab.data)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu planes", s->path, s->planes);
-    return iso_volume_input_labels(s->path, s->input, &s->out->header.notes.label_count, err);
+    iso_label_facts facts;
+    iso_volume *own = &s->out->header;
+    const iso_status status = iso_volume_input_look(s->path, s->input, &own->notes.label_count, &facts, err);
+    if (status == ISO_OK && own->notes.label_count > 0 && facts.is_sparse) {
+        json_t *names = iso_labels_names(&facts, own->segments);
+        json_decref(own->segments);
+        own->segments = names;
+    }
+    return status;
 }
 
 static iso_status keep_all(slab_reading *s, iso_volume_source *source, iso_error *err)

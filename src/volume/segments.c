@@ -34,7 +34,7 @@ static void check_segment(iso_json_reader *r, size_t number, const json_t *segme
     else if (!json_is_integer(label) || json_integer_value(label) < ISO_SEGMENTS_LABEL_MIN ||
              json_integer_value(label) > ISO_SEGMENTS_LABEL_MAX)
         r->status = iso_fail(r->err, ISO_E_FORMAT,
-                             "%s: \"label\" of entry %zu of \"segments\": no whole number, %d to %d", r->path, number,
+                             "%s: \"label\" of entry %zu of \"segments\": no whole number, %ld to %ld", r->path, number,
                              ISO_SEGMENTS_LABEL_MIN, ISO_SEGMENTS_LABEL_MAX);
     iso_json_get_string(r, segment, "name", true, &name);
     iso_json_get_numbers(r, segment, "color", false, &(iso_json_list){color, 3, 0, 1});

@@ -15,8 +15,9 @@
 
 #include "base/json.h"
 
-/* Labels are whole numbers of 8 or 16 bits, with or without a sign. */
-enum { ISO_SEGMENTS_LABEL_MIN = -32768, ISO_SEGMENTS_LABEL_MAX = 65535 };
+/* Labels are whole numbers of at most 32 bits, with or without a sign. */
+#define ISO_SEGMENTS_LABEL_MIN (-2147483648L)
+#define ISO_SEGMENTS_LABEL_MAX 4294967295L
 
 /* Copies a text as UTF-8 without control characters; all others become '_'. A new string; NULL: out of memory. */
 json_t *iso_segments_text(const char *text);
