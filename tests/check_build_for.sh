@@ -57,6 +57,12 @@ expect another_transfer_function_is_drawn 0 "$ISOSHADE" render o.iso --scene "$s
 check with_a_warning grep -q "warning: level 1 was made for the transfer function of ${scene##*/}" err
 dissimilarity() { "$ISOSHADE" compare finest.exr "$1" --json | python3 -c 'import json, sys; print(1 - json.load(sys.stdin)["ssim"])'; }
 check they_are_nearer_than_plain_levels awk "BEGIN {exit !($(dissimilarity o.exr) < 0.8 * $(dissimilarity two.exr))}"
+# An export notes that values of such a level are no data; those of others are.
+for pyramid in two o; do
+    expect it_is_exported 0 "$ISOSHADE" export $pyramid.iso --to vdb --scene "$scene" --level 1 -o $pyramid.vdb -q
+done
+check an_export_notes_that_they_are_no_data grep -aq 'optimized for pictures of one scene' o.vdb
+check but_not_of_a_plain_level bash -c '! grep -aq "optimized for pictures" two.vdb'
 expect they_validate 0 "$ISOSHADE" validate o.iso --scene "$scene" --quick --with gl --size 24 -q -o optimized
 expect they_are_charted 0 "$ISOSHADE" chart o.iso --scene "$scene" --with gl --steps 1 --quadratures midpoint --plans none --size 24 --budget 0 -q -o chart
 expect they_are_exported 0 "$ISOSHADE" export o.iso --to povray --scene "$scene" --level 1 -o pov2 -q

@@ -144,6 +144,15 @@ static iso_status note_file(const iso_vdb_job *job, const char *made_from, const
     return status == ISO_OK ? note(job, "command", o->command, err) : status;
 }
 
+/* Notes that values are no data: an optimized level has those that show a scene best (plan/optimize.h). */
+static iso_status note_optimized(const iso_vdb_job *job, const save_job *what, iso_error *err)
+{
+    bool is_optimized = false;
+    for (size_t i = 0; what->pyramid && i < what->count; ++i)
+        is_optimized = is_optimized || what->pyramid->levels[what->first + i].is_optimized;
+    return is_optimized ? note(job, "values", "optimized for pictures of one scene, no data", err) : ISO_OK;
+}
+
 static iso_status add(const iso_vdb_job *job, const save_job *what, size_t i, iso_vdb_grids *grids, iso_error *err)
 {
     const iso_vdb_shown *shown = job->opt->shown ? &job->opt->shown[i] : NULL;
@@ -173,6 +182,7 @@ static iso_status save(const save_job *what, const char *path, const iso_vdb_opt
     TRY(status,
         note_file(&job, what->pyramid ? what->pyramid->source : what->made_from,
                   what->pyramid ? &what->pyramid->levels[what->first].geometry : &what->lattices[0].geometry, err));
+    TRY(status, note_optimized(&job, what, err));
     for (size_t i = 0; i < what->count && status == ISO_OK; ++i) {
         iso_progress_report(progress, "OpenVDB grids", (double)i / (double)(2 * what->count));
         status = iso_progress_check(progress, err);
