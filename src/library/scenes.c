@@ -245,6 +245,9 @@ iso_status iso_library_view(const iso_library_look *look, const iso_pyramid *p, 
     if (status == ISO_OK && look->region)
         status = add_region(look, p, level, view, err);
     const bool scales = look->extinction_scale && !found && level > 0;
+    if (status == ISO_OK && scales && p->levels[level].geometry.has_no_data)
+        return iso_fail(err, ISO_E_RANGE, "some voxels have no data, and the share that has scales the extinction of "
+                                          "coarse levels; ask for no extinction scale");
     if (status == ISO_OK && scales)
         status = iso_tf_table_copy(&view->tf, &original, err);
     if (status == ISO_OK && look->adapt && !found && level > 0)
