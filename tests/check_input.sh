@@ -63,6 +63,7 @@ refuse sizes_do_not_match 4 'long.nrrd: too long: holds 9 bytes' "$ISOSHADE" inf
 header float '1 1 2' >nan.nrrd; printf '\0\0\0\0\0\0\300\177' >>nan.nrrd
 accept nan_is_no_data 'no data    1 of 2 voxels' info nan.nrrd
 refuse nan_voxel 5 'nan.nrrd: 1 of 2 voxels are NaN or infinite, none may be; the first is (0, 0, 1)' "$ISOSHADE" info nan.nrrd --no-data none
+refuse no_bound 5 'nan.nrrd: some voxels have no data, for which there is no' "$ISOSHADE" tf bound nan.nrrd
 refuse no_voxel 5 'nan.nrrd: none of its 2 voxels has data' "$ISOSHADE" info nan.nrrd --no-data 0
 accept a_value_without_data 'no data    2 of 8 voxels' info scaled.nrrd --no-data 22.5,23
 refuse a_rule_for_labels 2 'labels are integers' "$ISOSHADE" info plain.raw --raw-size 40x56x33 --raw-type int16 --labels --no-data 1

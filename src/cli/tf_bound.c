@@ -76,6 +76,9 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
     TRY(status, iso_cli_look_check(a->look, a->cli->threads, &look, err));
     TRY(status, iso_cli_adapt_options(a->adapted, a->cli->threads, &checked, err));
     TRY(status, iso_subject_load_pyramid(a->cli->arguments[1], a->input, &build, &progress, &p, err));
+    if (status == ISO_OK && p.levels[0].geometry.has_no_data)
+        status = iso_fail(err, ISO_E_RANGE, "%s: some voxels have no data, for which there is no bound",
+                          a->cli->arguments[1]);
     TRY(status, iso_subject_refuse_labels(&p, a->cli->arguments[1], "the bound", err));
     TRY(status, iso_pyramid_check_level(&p, a->cli->arguments[1], (size_t)a->level, err));
     TRY(status, iso_subject_make_view(&look, &p, &view, err));

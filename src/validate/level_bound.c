@@ -84,7 +84,7 @@ iso_status iso_validate_bound_level(iso_validation *v, const iso_measured_level 
     iso_report_bound bound = {.views = views, .above = -INFINITY};
     iso_status status = ISO_OK;
     if (!iso_image_bound_is_for(v->view) || own->use == ISO_USE_SCALED ||
-        v->level_tfs[own->level].own_scale) /* then there is none */
+        v->level_tfs[own->level].own_scale || v->pyramid->levels[0].geometry.has_no_data) /* then there is none */
         return ISO_OK;
     for (size_t i = 0; i < views && status == ISO_OK; ++i) {
         double bound_rmse = NAN, rmse = own->figures[ISO_LEVEL_RMSE][i];
