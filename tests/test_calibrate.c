@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* test_calibrate.c - each renderer passes its calibration, and each planted fault fails it. */
 #include "base/work.h"
-#include "validate/calibrate.h"
+#include "lab/faults.h"
 #include "test.h"
 #include "cycles.h"
 
@@ -18,7 +18,8 @@ static int count_failures(const iso_renderer_info *which, iso_fault fault, iso_c
 {
     int failures = 0;
     size_t made;
-    assert_ok(iso_calibrate(&renderers, which, &(iso_planted){.fault = fault}, c, &made, &err));
+    const iso_calibration_fault planted = iso_planted_calibration(&(iso_planted){.fault = fault});
+    assert_ok(iso_calibrate(&renderers, which, &planted, c, &made, &err));
     for (int i = 0; i < ISO_CALIBRATION_COUNT; ++i)
         failures += !c[i].passed;
     return failures;
@@ -111,7 +112,8 @@ TEST(every_planted_fault_is_caught_by_the_check_that_is_made_for_it)
             const iso_renderer_info *which = w ? &iso_renderer_gl : &iso_renderer_reference;
             iso_calibration c;
             const int at = iso_calibration_number(faults[i].check);
-            assert_ok(iso_calibrate_check(&renderers, which, &(iso_planted){.fault = faults[i].fault}, at, &c, &err));
+            const iso_calibration_fault fault = iso_planted_calibration(&(iso_planted){.fault = faults[i].fault});
+            assert_ok(iso_calibrate_check(&renderers, which, &fault, at, &c, &err));
             assert_string_equal(c.check, faults[i].check);
             if (c.passed)
                 fail_msg("%s: passed the check %s of %s with %g", faults[i].text, c.check, which->name, c.value);

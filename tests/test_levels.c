@@ -7,7 +7,6 @@
 #include "base/random.h"
 #include "render/image_bound.h"
 #include "tests/validated.h"
-#include "validate/faults.h"
 #include "validate/measured.h"
 #include "volume/synthetic.h"
 

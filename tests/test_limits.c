@@ -2,7 +2,7 @@
 /* Limits of halved steps and closed forms: what is right agrees, what is planted does not, and the gates say which. */
 #include "base/work.h"
 #include "validate/closed_form.h"
-#include "validate/faults.h"
+#include "lab/faults.h"
 #include "validate/validate.h"
 #include "sampled.h"
 #include "volume/synthetic.h"

@@ -55,13 +55,13 @@ static iso_status plant_in_calibrations(iso_renderers *r, const power_options *o
     for (int f = ISO_FAULT_NONE + 1; f < ISO_FAULT_COUNT && status == ISO_OK; ++f)
         for (size_t w = 0; w < iso_renderer_count() && status == ISO_OK; ++w) {
             iso_calibration c;
-            const iso_planted planted = {.fault = (iso_fault)f};
+            const iso_calibration_fault fault = iso_planted_calibration(&(iso_planted){.fault = (iso_fault)f});
             out->ratio[f][w] = NAN;
             if (!o->wanted[w])
                 continue;
             iso_progress_report(progress, "faults in the calibrations", (double)(f - 1) / (ISO_FAULT_COUNT - 1));
-            status = iso_calibrate_check(r, iso_renderer_at(w), &planted,
-                                         iso_calibration_number(iso_fault_check(planted.fault)), &c, err);
+            status = iso_calibrate_check(r, iso_renderer_at(w), &fault,
+                                         iso_calibration_number(iso_fault_check((iso_fault)f)), &c, err);
             out->ratio[f][w] = c.value / c.limit;
         }
     return status;

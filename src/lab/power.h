@@ -14,7 +14,7 @@
 #define ISO_LAB_POWER_H
 
 #include "options/cli.h"
-#include "validate/faults.h"
+#include "lab/faults.h"
 #include "validate/validate.h"
 
 typedef enum iso_power_kind {

@@ -92,7 +92,8 @@ static iso_status ask(study *s, const iso_power_case *c, const probe *p, iso_dev
     if (!p->is_calibration)
         return iso_power_run_deviation_gate(s->renderers, c, p->gate, p->renderer,
                                             &(iso_planted){.deviation = d, .amount = amount}, rejected, err);
-    iso_status status = iso_calibrate_check(s->renderers, p->renderer, &planted,
+    const iso_calibration_fault fault = iso_planted_calibration(&planted);
+    iso_status status = iso_calibrate_check(s->renderers, p->renderer, &fault,
                                             iso_calibration_number(iso_deviation_check(d)), &result, err);
     *rejected = status == ISO_OK && !result.passed;
     return status;
@@ -114,8 +115,9 @@ static iso_status guess(study *s, const iso_power_case *c, const probe *p, iso_d
     iso_calibration result;
     iso_status status;
     if (p->is_calibration) {
-        status = iso_calibrate_check(s->renderers, p->renderer, &planted,
-                                     iso_calibration_number(iso_deviation_check(d)), &result, err);
+        const iso_calibration_fault fault = iso_planted_calibration(&planted);
+        status = iso_calibrate_check(s->renderers, p->renderer, &fault, iso_calibration_number(iso_deviation_check(d)),
+                                     &result, err);
         change = result.value;
         wanted = result.limit;
     } else {

@@ -428,8 +428,8 @@ iso_status iso_calibration_picture(iso_renderers *r, const iso_renderer_info *wh
     return status == ISO_E_MISSING ? ISO_OK : status;
 }
 
-iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, int check,
-                               iso_calibration *out, iso_error *err)
+iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_calibration_fault *fault,
+                               int check, iso_calibration *out, iso_error *err)
 {
     iso_calibration_stage s = {0};
     begin(which, check, out);
@@ -439,7 +439,7 @@ iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which,
     snprintf(scene, sizeof scene, "calibration-%s", out->check);
     iso_status status = checks[check].prepare(&s, err);
     r->scene = scene;
-    TRY(status, iso_calibration_render(&s, 1, r, which, planted, err));
+    TRY(status, iso_calibration_render(&s, 1, r, which, fault, err));
     r->scene = NULL;
     if (status == ISO_OK)
         judge(&s, which, check, out);
@@ -452,8 +452,9 @@ iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which,
 }
 
 /* Makes all checks by one start. If that fails, makes them one after the other, to identify the failing check. */
-static iso_status calibrate_together(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
-                                     iso_calibration out[ISO_CALIBRATION_COUNT], iso_error *err)
+static iso_status calibrate_together(iso_renderers *r, const iso_renderer_info *which,
+                                     const iso_calibration_fault *fault, iso_calibration out[ISO_CALIBRATION_COUNT],
+                                     iso_error *err)
 {
     iso_calibration_stage stages[ISO_CALIBRATION_COUNT] = {{.got = {0}}};
     int asked[ISO_CALIBRATION_COUNT], count = 0;
@@ -465,7 +466,7 @@ static iso_status calibrate_together(iso_renderers *r, const iso_renderer_info *
             asked[count++] = i;
         }
     }
-    TRY(status, iso_calibration_render(stages, (size_t)count, r, which, planted, err));
+    TRY(status, iso_calibration_render(stages, (size_t)count, r, which, fault, err));
     for (int k = 0; k < count; ++k) {
         if (status == ISO_OK)
             judge(&stages[k], which, asked[k], &out[asked[k]]);
@@ -474,16 +475,16 @@ static iso_status calibrate_together(iso_renderers *r, const iso_renderer_info *
     return status;
 }
 
-iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
+iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_calibration_fault *fault,
                          iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, iso_error *err)
 {
     iso_error why = {""};
-    iso_status status = which->render_scenes ? calibrate_together(r, which, planted, out, &why) : ISO_OK;
+    iso_status status = which->render_scenes ? calibrate_together(r, which, fault, out, &why) : ISO_OK;
     *made = which->render_scenes && status == ISO_OK ? ISO_CALIBRATION_COUNT : 0;
     if (status != ISO_OK && iso_process_was_stopped()) /* a stop is not a failure of a check */
         return iso_fail(err, status, "calibration of %s: %s", which->name, why.text);
     status = ISO_OK;
     for (; *made < ISO_CALIBRATION_COUNT && status == ISO_OK; *made += status == ISO_OK)
-        status = iso_calibrate_check(r, which, planted, (int)*made, &out[*made], err);
+        status = iso_calibrate_check(r, which, fault, (int)*made, &out[*made], err);
     return status;
 }

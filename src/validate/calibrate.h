@@ -20,11 +20,9 @@
 #ifndef ISO_VALIDATE_CALIBRATE_H
 #define ISO_VALIDATE_CALIBRATE_H
 
-#include "validate/faults.h"
-#include "renderers/renderers.h"
+#include "validate/calibration_stage.h"
 
 enum { ISO_CALIBRATION_COUNT = 7 };
-struct iso_calibration_stage; /* calibration_stage.h */
 
 typedef struct iso_calibration {
     const char *check;
@@ -32,16 +30,15 @@ typedef struct iso_calibration {
     double value, limit; /* trusted while value <= limit */
     char why[512];       /* the cause of the limit */
     bool passed;
-    const char *
-        no_picture; /* set if the renderer is a folder of pictures that lacks the check's picture: what stays open; or
+    const char
+        *no_picture; /* set if the renderer is a folder of pictures that lacks the check's picture: what stays open; or
                      * NULL */
     const char *lacks; /* feature that the check needs and the renderer lacks: the check is skipped; or NULL */
 } iso_calibration;
 
 /* Runs all checks. ISO_OK if all could be made, passed or not. A renderer that fails itself, such as a program that
- * crashes, ends the run: *made checks were made before, and it failed in the next one. planted: a fault that is put
- * into the renderer; NULL: none. */
-iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted,
+ * crashes, ends the run: *made checks were made before, and it failed in the next one. fault: NULL: none. */
+iso_status iso_calibrate(iso_renderers *r, const iso_renderer_info *which, const iso_calibration_fault *fault,
                          iso_calibration out[ISO_CALIBRATION_COUNT], size_t *made, iso_error *err);
 
 /* Returns the place of a check in the list above. */
@@ -52,10 +49,10 @@ const char *iso_calibration_name(int check);
 iso_status iso_calibration_picture(iso_renderers *r, const iso_renderer_info *which, int check, iso_image *image,
                                    iso_error *err);
 /* Makes the volume and view of a check. */
-iso_status iso_calibration_prepare(int check, struct iso_calibration_stage *stage, iso_error *err);
+iso_status iso_calibration_prepare(int check, iso_calibration_stage *stage, iso_error *err);
 
 /* Runs one check alone, by its place. */
-iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_planted *planted, int check,
-                               iso_calibration *out, iso_error *err);
+iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_calibration_fault *fault,
+                               int check, iso_calibration *out, iso_error *err);
 
 #endif

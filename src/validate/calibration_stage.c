@@ -91,7 +91,7 @@ static iso_render_options stage_options(const iso_calibration_stage *s, const is
 }
 
 iso_status iso_calibration_render(iso_calibration_stage *stages, size_t count, iso_renderers *r,
-                                  const iso_renderer_info *which, const iso_planted *planted, iso_error *err)
+                                  const iso_renderer_info *which, const iso_calibration_fault *fault, iso_error *err)
 {
     iso_render_options options[ISO_RENDER_MAX_SCENES];
     iso_render_request requests[ISO_RENDER_MAX_SCENES];
@@ -99,10 +99,10 @@ iso_status iso_calibration_render(iso_calibration_stage *stages, size_t count, i
     for (size_t i = 0; i < count; ++i) {
         iso_calibration_stage *s = &stages[i];
         options[i] = stage_options(s, which);
-        iso_plant(planted, &s->pyramid, 0, &s->view);
-        requests[i] = (iso_render_request){r, &s->pyramid, iso_planted_level(planted, 0), &s->view, &options[i], NULL};
+        const size_t level = fault ? fault->plant(fault->hook.user, &s->pyramid, &s->view) : 0;
+        requests[i] = (iso_render_request){r, &s->pyramid, level, &s->view, &options[i], NULL};
     }
-    r->after = iso_planted_hook(planted);
+    r->after = fault ? fault->hook : (iso_image_hook){0};
     const iso_status status = iso_render_scenes(requests, count, images, err);
     r->after = (iso_image_hook){0};
     for (size_t i = 0; i < count && status == ISO_OK; ++i)

@@ -3,10 +3,16 @@
 #ifndef ISO_VALIDATE_CALIBRATION_STAGE_H
 #define ISO_VALIDATE_CALIBRATION_STAGE_H
 
-#include "validate/faults.h"
 #include "renderers/renderers.h"
 
 enum { ISO_CALIBRATION_PIXELS = 32, ISO_CALIBRATION_TF_ENTRIES = 17 };
+
+/* A fault to put into a check's input and its pictures, to show that the check rejects it. */
+typedef struct iso_calibration_fault {
+    /* Changes the input; returns the level to render. user: that of the hook. */
+    size_t (*plant)(const void *user, iso_pyramid *pyramid, iso_view *view);
+    iso_image_hook hook;
+} iso_calibration_fault;
 
 /* A subject, its view, and the image that it must give. */
 typedef struct iso_calibration_stage {
@@ -32,10 +38,9 @@ void iso_calibration_set_entry(iso_view *view, size_t i, float r, float g, float
 void iso_calibration_expect_pixel(iso_calibration_stage *s, size_t column, size_t row, const double rgbs[4],
                                   double shade);
 
-/* Renders a picture of each stage, by one start if the renderer can. planted: a fault to put into the renderer's input,
- * or NULL. */
+/* Renders a picture of each stage, by one start if the renderer can. fault: NULL: none. */
 iso_status iso_calibration_render(iso_calibration_stage *stages, size_t count, iso_renderers *r,
-                                  const iso_renderer_info *which, const iso_planted *planted, iso_error *err);
+                                  const iso_renderer_info *which, const iso_calibration_fault *fault, iso_error *err);
 /* Returns the largest difference between rendered and expected image. */
 double iso_calibration_largest_difference(iso_calibration_stage *s, const iso_renderer_info *which);
 

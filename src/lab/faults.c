@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/faults.h"
+#include "lab/faults.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "validate/ray_faults.h"
+#include "lab/ray_faults.h"
 
 static const struct {
     const char *name, *check;
@@ -267,4 +267,15 @@ static iso_status change_image(const void *user, const iso_render_request *reque
 iso_image_hook iso_planted_hook(const iso_planted *planted)
 {
     return planted ? (iso_image_hook){change_image, planted} : (iso_image_hook){0};
+}
+
+static size_t plant_in_calibration(const void *user, iso_pyramid *p, iso_view *view)
+{
+    iso_plant(user, p, 0, view);
+    return iso_planted_level(user, 0);
+}
+
+iso_calibration_fault iso_planted_calibration(const iso_planted *planted)
+{
+    return (iso_calibration_fault){plant_in_calibration, iso_planted_hook(planted)};
 }

@@ -9,8 +9,8 @@
  *
  * Scenes of one level and a TF over the value, as calibrations and random scenes are: no regions of interest, no 2D
  * TFs. */
-#ifndef ISO_VALIDATE_RAY_FAULTS_H
-#define ISO_VALIDATE_RAY_FAULTS_H
+#ifndef ISO_LAB_RAY_FAULTS_H
+#define ISO_LAB_RAY_FAULTS_H
 
 #include "renderers/renderers.h"
 

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* faults.h - planted faults: known ways for a renderer or an exporter to be wrong. Tests and `isoshade-lab power` show
  * that the check of each fault rejects it, if its amount is large enough. */
-#ifndef ISO_VALIDATE_FAULTS_H
-#define ISO_VALIDATE_FAULTS_H
+#ifndef ISO_LAB_FAULTS_H
+#define ISO_LAB_FAULTS_H
 
-#include "image/image.h"
-#include "pyramid/pyramid.h"
-#include "renderers/renderers.h"
-#include "scene/scene.h"
+#include "validate/calibrate.h"
 
 /* enum, name, the check of calibrate.h that must find it */
 /* clang-format off */
@@ -87,6 +84,8 @@ void iso_plant(const iso_planted *planted, iso_pyramid *p, size_t level, iso_vie
 size_t iso_planted_level(const iso_planted *planted, size_t level);
 /* Returns a hook that puts faults of images into each rendered image; *planted has to outlive it. */
 iso_image_hook iso_planted_hook(const iso_planted *planted);
+/* Returns *planted as a fault of a calibration; *planted has to outlive it. */
+iso_calibration_fault iso_planted_calibration(const iso_planted *planted);
 
 /* Calls iso_plant() with only a fault. */
 void iso_fault_plant(iso_fault fault, iso_pyramid *p, size_t level, iso_view *view);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "validate/ray_faults.h"
+#include "lab/ray_faults.h"
 
 #include <math.h>
 #include <stdlib.h>
