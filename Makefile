@@ -135,9 +135,9 @@ test_c := $(wildcard tests/test_*.c $(with_lab:%=tests/%/test_*.c))
 # Programs of tests/lab go to the same folder as other tests: they find libraries by their path from the program.
 lab_tests := $(patsubst tests/lab/%.c,$(build)/tests/%,$(filter tests/lab/%,$(test_c)))
 tests := $(patsubst tests/%.c,$(build)/tests/%,$(filter-out tests/lab/%,$(test_c))) $(lab_tests)
-# Tests of the product that plant the lab's faults.
-fault_tests := $(build)/tests/test_calibrate $(build)/tests/test_limits
-fault_o := $(build)/src/lab/faults.o $(build)/src/lab/ray_faults.o
+# Tests of the product that plant the lab's faults, or read grid files back as the lab does.
+helped_tests := $(addprefix $(build)/tests/test_,calibrate limits bake planned scaled_render vdb vdb_sparse)
+helpers_o := $(addprefix $(build)/src/lab/,faults.o ray_faults.o vdb_read.o)
 # Fuzzing for `make check`: targets, and a driver that mutates files itself.
 fuzz_c := $(filter-out tests/fuzz/libfuzzer.c,$(wildcard tests/fuzz/*.c))
 fuzz := $(build)/isoshade-fuzz
@@ -399,7 +399,7 @@ $(addon): $(wildcard exporters/blender/addon/*.py exporters/blender/addon/*.toml
 	$(call say,ZIP)cd $(build)/addon && TZ=UTC python3 -m zipfile -c ../$(@F) isoshade_addon
 $(lab_tests): $(build)/tests/%: $(build)/tests/lab/%.o $(lab_o) $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
-$(fault_tests): $(build)/tests/%: $(build)/tests/%.o $(fault_o) $(commands) $(lib)
+$(helped_tests): $(build)/tests/%: $(build)/tests/%.o $(helpers_o) $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)
 $(build)/tests/%: $(build)/tests/%.o $(commands) $(lib)
 	$(call say,LD )$(CC) $(flags_$(config)) -fopenmp -o $@ $^ -lcmocka $(LDLIBS)

@@ -2,8 +2,6 @@
 #include "joint_pyramids.h"
 #include "test.h"
 
-#include <sys/stat.h>
-
 #include "base/file.h"
 #include "tf/adapt.h"
 

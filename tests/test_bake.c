@@ -2,11 +2,11 @@
 /* Baked grids hold the optical depth, the colors and the place of what they are baked from, in every unit and on both
  * axes. */
 #define _GNU_SOURCE
+#include "lab/vdb_read.h"
 #include "test.h"
 
 #include "bake/grids.h"
 #include "base/file.h"
-#include "vdb/vdb.h"
 
 enum { NX = 5, NY = 4, NZ = 3, VOXELS = NX * NY * NZ };
 static const double spacing[3] = {2, 1, 0.5};

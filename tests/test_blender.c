@@ -5,7 +5,6 @@
 #include "cycles.h"
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/file.h"
 #include "base/process.h"

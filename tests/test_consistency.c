@@ -2,7 +2,6 @@
 /* The levels against level 0, as `isoshade validate` measures them: under the original TF and under the one adapted to
  * each level, and that rows say which. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/words.h"

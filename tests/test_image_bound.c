@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The bound of a level's image is above what is measured. */
-#include <stdlib.h>
-#include <string.h>
 
 #include "image_bound_cases.h"
 

@@ -2,8 +2,6 @@
 /* Joint histograms against direct sums, and their files. */
 #include "test.h"
 
-#include <sys/stat.h>
-
 #include "base/file.h"
 #include "joint_pyramids.h"
 #include "tf/adapt.h"

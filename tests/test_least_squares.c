@@ -2,7 +2,6 @@
 /* Least-squares levels: against dense solutions with the renderers' own lookup, and by what they promise. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "pyramid/spline_kernel.h"
 #include "pyramids.h"

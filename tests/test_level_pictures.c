@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Wrong levels are seen in pictures alone: what is stored is not looked at here, although it would tell as well. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "scene/views.h"

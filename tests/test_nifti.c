@@ -3,7 +3,6 @@
 #include <math.h>
 #include <nifti1.h>
 #include <nifti2.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "volume_files.h"

@@ -3,8 +3,6 @@
 #define _GNU_SOURCE
 #include "palette/palette.h"
 
-#include <unistd.h>
-
 #include "base/random.h"
 #include "palette_fits.h"
 #include "test.h"

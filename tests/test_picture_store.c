@@ -2,7 +2,6 @@
 /* The folder of pictures: removed so that a run that is killed in between leaves one that the next run takes. */
 #define _GNU_SOURCE
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>

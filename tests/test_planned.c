@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a plan leaves of a volume of bytes: the same from samples as from floats, and files that hold it without a
  * loss. */
+#include "lab/vdb_read.h"
 #include "test.h"
 
 #include <jansson.h>
@@ -12,7 +13,6 @@
 #include "plan/planned.h"
 #include "povray/povray.h"
 #include "scene/scene.h"
-#include "vdb/vdb.h"
 #include "volume/synthetic.h"
 
 enum { BRICK = 8, LEVELS = 3 };

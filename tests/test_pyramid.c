@@ -4,8 +4,6 @@
 #include "same_levels.h"
 #include "test.h"
 
-#include <unistd.h>
-
 #include "base/file.h"
 #include "pyramids.h"
 

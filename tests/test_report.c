@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The report: verdicts, order, files, page, JUnit. With a path as argument the example is left there to look at. */
 #define _GNU_SOURCE
-#include <sys/stat.h>
 
 #include "base/file.h"
 #include "base/process.h"

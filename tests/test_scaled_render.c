@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Extinction scales in the renderers: one definition for all (fit/extinction_scale.h). Sizes and spacings are unequal,
  * the grid is rotated. */
+#include "lab/vdb_read.h"
 #include "rendered.h"
 #include "test.h"
 #include "cycles.h"
@@ -11,7 +12,6 @@
 #include "render/gl/raycaster.h"
 #include "renderers/gl.h"
 #include "scene/roi.h"
-#include "vdb/vdb.h"
 
 /* The ray caster: samples in float, some 100 a ray. POV-Ray: 16 bits a channel, half a step is 7.6e-6 of the brightest
  * color. Cycles: the error of a step of an eighth of a voxel, of second order. */

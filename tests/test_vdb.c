@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* OpenVDB files hold what the pyramid holds, where the pyramid has it. */
 #define _GNU_SOURCE
+#include "lab/vdb_read.h"
 #include "sampled.h"
 
 #include <dirent.h>
@@ -9,7 +10,6 @@
 
 #include "base/file.h"
 #include "pyramid/pyramid.h"
-#include "vdb/vdb.h"
 #include "volume/synthetic.h"
 
 /* Unequal sizes and spacings; rotated, and sheared on request. */

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Grids without what a transfer function does not show: every reader that interpolates finds the same extinction. */
 #define _GNU_SOURCE
+#include "lab/vdb_read.h"
 #include "sampled.h"
 
 #include "base/file.h"
 #include "brick/occupancy.h"
 #include "pyramid/pyramid.h"
-#include "vdb/vdb.h"
 #include "vdb/vdb_sparse.h"
 #include "volume/synthetic.h"
 

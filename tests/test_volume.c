@@ -5,7 +5,6 @@
 
 #include <nifti1.h>
 #include <nifti2.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 

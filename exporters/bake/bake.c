@@ -342,16 +342,14 @@ iso_status iso_bake(const iso_level *level, iso_code code, const iso_view *view,
                     iso_baked *out, const iso_progress *progress, iso_error *err)
 {
     *out = (iso_baked){0};
-    iso_status status = check(level, view, opt, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check(level, view, opt, err));
     iso_baked b = {.level = level, .view = view, .code = code, .options = *opt};
     b.reversed_x = iso_mat3_det(level->geometry.index_to_world) < 0;
     b.geometry = lattice_of(&level->geometry, opt->points, b.reversed_x);
     for (int a = 0; a < 3; ++a)
         b.blocks[a] = (b.geometry.size[a] + SIDE - 1) / SIDE;
     iso_sampler sampler = {0};
-    status = iso_geometry_check(&b.geometry, "bake", err);
+    iso_status status = iso_geometry_check(&b.geometry, "bake", err);
     if (status == ISO_OK && !(b.block = calloc(block_count(&b), sizeof *b.block)))
         status = iso_fail(err, ISO_E_MEMORY, "bake: no memory for %zu blocks", block_count(&b));
     TRY(status, iso_sampler_create(&sampler, level, code, opt->shaded ? ISO_FROM_CODES : ISO_FROM_ON_THE_FLY, err));

@@ -70,15 +70,13 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
                                   iso_image *image, const iso_progress *progress, iso_error *err)
 {
     *image = (iso_image){0};
-    iso_status status = check_plan(plan, view, opt, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check_plan(plan, view, opt, err));
     char *folder = iso_blender_folder(opt), *stem = folder ? iso_path_join(folder, "volume.blend") : NULL;
     if (!stem)
         return iso_temp_dir_fail(err);
     const iso_blender_space space = iso_blender_space_of(plan->geometry);
     char *path = plan_vdb_path(plan, stem);
-    status = save_lattice(plan, path, iso_vdb_defaults(), progress, err);
+    iso_status status = save_lattice(plan, path, iso_vdb_defaults(), progress, err);
     free(path);
     if (status == ISO_OK) {
         const plan_job job = {plan, view, stem, false, opt};
@@ -122,14 +120,12 @@ static iso_status write_plan(const plan_job *job, const char *folder, iso_output
 iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view *view, const char *blend_path,
                                    const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
-    iso_status status = check_plan(plan, view, opt, err);
-    TRY(status, iso_blender_check_path(blend_path, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(check_plan(plan, view, opt, err));
+    NEED(iso_blender_check_path(blend_path, err));
     char *folder = iso_make_temp_dir();
     iso_output outs[2] = {0};
     const plan_job job = {plan, view, blend_path, true, opt};
-    status = folder ? write_plan(&job, folder, outs, progress, err) : iso_temp_dir_fail(err);
+    iso_status status = folder ? write_plan(&job, folder, outs, progress, err) : iso_temp_dir_fail(err);
     TRY(status, iso_output_commit_all(outs, 2, err));
     for (size_t i = 0; i < 2; ++i)
         iso_output_abandon(&outs[i]);

@@ -3,8 +3,7 @@
  *
  *   blender.c        a level as a picture or as a file
  *   blender_plan.c   the bricks of a plan
- *   sequence.c       frames of a series
- *   several.c        several volumes
+ *   several.c        frames of a series, and several volumes
  *   describe.c       the description that the scripts read
  *   labels.c         label maps as an image of class numbers
  *   run.c            a run of Blender with the scripts

@@ -79,12 +79,10 @@ static iso_status check_age(const char *blender, const char *version, iso_error 
 iso_status iso_blender_version(const char *program, char *version, size_t size, iso_error *err)
 {
     char *blender = NULL, found[32] = "";
-    iso_status status = iso_blender_find(program, &blender, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_blender_find(program, &blender, err));
     const char *argv[] = {blender, "--version", NULL};
     const iso_process_options options = {.line = keep_version, .user = found, .timeout_seconds = 120};
-    status = iso_process_run(argv, &options, err);
+    iso_status status = iso_process_run(argv, &options, err);
     TRY(status, check_age(blender, found, err));
     if (status == ISO_OK)
         snprintf(version, size, "%s", found);

@@ -7,7 +7,6 @@
 #include <png.h>
 #include <stdint.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "blender/blender_scene.h"

@@ -216,13 +216,11 @@ iso_status iso_paraview_export(const iso_pyramid *p, size_t level, const iso_vie
                                iso_error *err)
 {
     iso_output out = {0};
-    iso_status status = check(&p->levels[level], view, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check(&p->levels[level], view, err));
     char *name = scene_name(dir);
     if (!name)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    status = iso_output_begin_dir(&out, dir, "*.vti", err); /* any name: the folder may have been renamed */
+    iso_status status = iso_output_begin_dir(&out, dir, "*.vti", err); /* any name: the folder may have been renamed */
     TRY(status, write_files(&p->levels[level], view, name, out.temp_path, err));
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);

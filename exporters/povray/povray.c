@@ -73,15 +73,13 @@ static char *scene_name(const char *dir)
 iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *dir,
                              const iso_povray_options *opt, const iso_progress *progress, iso_error *err)
 {
-    iso_status status = iso_povray_check(p, level, view, opt, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_povray_check(p, level, view, opt, err));
     char *name = scene_name(dir);
     if (!name)
         return iso_povray_no_memory(err);
     iso_output out = {0};
     iso_povray_prepared s;
-    status = iso_povray_prepare(p, level, view, name, opt, &s, err);
+    iso_status status = iso_povray_prepare(p, level, view, name, opt, &s, err);
     if (status == ISO_OK)
         status = iso_output_begin_dir(&out, dir, "*.ini", err); /* any name: the folder may have been renamed */
     if (status == ISO_OK) {

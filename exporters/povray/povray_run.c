@@ -42,13 +42,11 @@ iso_status iso_povray_version(char *version, size_t size, iso_error *err)
 {
     char *program = NULL;
     version[0] = 0;
-    iso_status status = find_povray(&program, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(find_povray(&program, err));
     version_search search = {version, size};
     const char *argv[] = {program, "--version", NULL};
     const iso_process_options options = {.line = take_version, .user = &search, .timeout_seconds = 600};
-    status = iso_process_run(argv, &options, err);
+    iso_status status = iso_process_run(argv, &options, err);
     if (status == ISO_OK && !version[0])
         status = iso_fail(err, ISO_E_PROGRAM, "%s: --version names no version of POV-Ray", program);
     free(program);

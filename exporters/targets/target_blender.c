@@ -70,14 +70,12 @@ static iso_status write_planned(const iso_export_job *job, const iso_blender_opt
     iso_planned_lattices lattices;
     /* Merges the bricks: for overlapping volumes Cycles evaluates all materials at each step, which took several times
      * as long. */
-    iso_status status = iso_planned_lattices_create(job->planned, true, true, job->threads, &lattices, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_planned_lattices_create(job->planned, true, true, job->threads, &lattices, err));
     const iso_blender_plan plan = {.geometry = &n->geometry,
                                    .lattice = &lattices.items[0],
                                    .source = job->pyramid->source,
                                    .unit = job->pyramid->unit.name};
-    status = iso_blender_export_plan(&plan, job->view, job->output, o, job->progress, err);
+    iso_status status = iso_blender_export_plan(&plan, job->view, job->output, o, job->progress, err);
     if (status == ISO_OK)
         report_ramps(job, job->view, 1);
     iso_planned_lattices_destroy(&lattices);

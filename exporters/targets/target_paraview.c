@@ -8,10 +8,8 @@ static iso_status write_paraview(const iso_export_job *job, iso_error *err)
     if (job->planned)
         return iso_fail(err, ISO_E_USAGE, "--plan has no meaning for --to paraview");
     iso_view view;
-    iso_status status = job->view_of_level(job, job->level, &view, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_paraview_export(job->pyramid, job->level, &view, job->output, err);
+    NEED(job->view_of_level(job, job->level, &view, err));
+    iso_status status = iso_paraview_export(job->pyramid, job->level, &view, job->output, err);
     iso_view_destroy(&view);
     return status;
 }

@@ -12,9 +12,7 @@
 static iso_status write_planned(const iso_export_job *job, iso_povray_options o, iso_error *err)
 {
     iso_planned_crop crop;
-    iso_status status = iso_planned_crop_create(job->planned, &job->pyramid->levels[0], job->threads, &crop, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_planned_crop_create(job->planned, &job->pyramid->levels[0], job->threads, &crop, err));
     const iso_pyramid cropped = {.options = job->pyramid->options,
                                  .source = job->pyramid->source,
                                  .level_count = 1,
@@ -22,7 +20,7 @@ static iso_status write_planned(const iso_export_job *job, iso_povray_options o,
     o.box = (const double(*)[3])crop.box;
     o.quantum = crop.quantum;
     o.lattice = &crop.lattice;
-    status = iso_povray_export(&cropped, 0, job->view, job->output, &o, job->progress, err);
+    iso_status status = iso_povray_export(&cropped, 0, job->view, job->output, &o, job->progress, err);
     iso_planned_crop_destroy(&crop);
     return status;
 }
@@ -52,12 +50,10 @@ static iso_status write_povray(const iso_export_job *job, iso_error *err)
     if (job->planned)
         return write_planned(job, o, err);
     iso_view view;
-    iso_status status = job->view_of_level(job, job->level, &view, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(job->view_of_level(job, job->level, &view, err));
     o.isosurface = job->isosurface;
     o.iso = job->iso;
-    status = iso_povray_export(job->pyramid, job->level, &view, job->output, &o, job->progress, err);
+    iso_status status = iso_povray_export(job->pyramid, job->level, &view, job->output, &o, job->progress, err);
     iso_view_destroy(&view);
     return status;
 }

@@ -9,11 +9,9 @@ static iso_status write_planned(const iso_export_job *job, iso_vdb_options *o, i
 {
     o->half_directions = !job->float_directions;
     iso_planned_lattices lattices;
-    iso_status status = iso_planned_lattices_create(job->planned, job->merged, false, job->threads, &lattices, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_vdb_save_lattices(lattices.items, lattices.count, job->pyramid->source, job->output, o, job->progress,
-                                   err);
+    NEED(iso_planned_lattices_create(job->planned, job->merged, false, job->threads, &lattices, err));
+    iso_status status = iso_vdb_save_lattices(lattices.items, lattices.count, job->pyramid->source, job->output, o,
+                                              job->progress, err);
     iso_planned_lattices_destroy(&lattices);
     return status;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "vdb/fields.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "base/file.h"

@@ -4,7 +4,6 @@
  *   vdb.c            saving: metadata, units, and the file
  *   vdb_grids.c      the grids of a level and of a lattice, as sources of rows
  *   vdb_sparse.c     active voxels of a level
- *   vdb_read.c       reading back, measuring
  *   vdb_library.c    loads isoshade_openvdb.so, which contains:
  *   vdb_openvdb.cc   OpenVDB; vdb_tree.h: grids that are never complete in memory, vdb_leaves.h: written by several threads
  *   vdb_nanovdb.cc   NanoVDB, by its own conversion of OpenVDB grids (nanovdb.h); vdb_guarded.h: exceptions end here */

@@ -273,17 +273,12 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
     source.value_max = level->max;
     const bool sparse = shown && !level->labels;
     if (sparse) {
-        iso_status status = iso_vdb_activity_create(&grids->activity, level, opt->volume, shown,
-                                                    opt->pad_voxels, opt->threads, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_vdb_activity_create(&grids->activity, level, opt->volume, shown, opt->pad_voxels, opt->threads, err));
         source.background = grids->activity.background;
     }
     const bool makes_codes = opt->gradient && !level->codes;
     if (makes_codes) {
-        const iso_status status = iso_narrow_codes_begin(&grids->made, p, opt->volume, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_narrow_codes_begin(&grids->made, p, opt->volume, err));
     }
     const grid_readers readers = {.scalar = read_scalar,
                                   .directions = opt->gradient ? read_directions : NULL,

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* faults.c - failures that no option produces, planted in the level's data. */
 #include <math.h>
-#include <string.h>
 
 #include "brick/bricks.h"
 #include "atlas/atlas.h"

@@ -22,9 +22,7 @@ iso_status iso_atlas_volume(const iso_atlas_scene *scene, iso_volume *v, iso_err
     const double spacing[3] = {2 / n[0], 2 / n[1], 2 / n[2]}, steps = (double)scene->values - 1;
     const iso_geometry g = iso_geometry_axis_aligned(scene->size, spacing);
     iso_random random = {.state = 1};
-    iso_status status = iso_volume_create(v, &g, ISO_F32, "atlas", err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_volume_create(v, &g, ISO_F32, "atlas", err));
     float *out = v->data;
     for (size_t z = 0; z < g.size[2]; ++z)
         for (size_t y = 0; y < g.size[1]; ++y)

@@ -119,9 +119,7 @@ iso_status iso_bigfile_write(iso_bigfile *f, const void *data, size_t bytes, iso
         bytes -= n;
         if (f->used < BLOCK)
             continue;
-        iso_status status = write_block(f, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(write_block(f, err));
         f->offset += BLOCK;
         f->used = 0;
     }

@@ -109,16 +109,14 @@ iso_status iso_file_read(const char *path, char **data, size_t *size, iso_error 
 iso_status iso_file_write(const char *path, const void *data, size_t size, iso_error *err)
 {
     iso_output out;
-    iso_status status = iso_output_begin(&out, path, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_output_begin(&out, path, err));
     FILE *file = fopen(out.temp_path, "wb");
     bool good = file && fwrite(data, 1, size, file) == size;
     if (file && fclose(file) != 0)
         good = false;
     if (good)
         return iso_output_commit(&out, err);
-    status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
+    iso_status status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
     iso_output_abandon(&out);
     return status;
 }

@@ -33,10 +33,8 @@ iso_status iso_json_load(const char *path, json_t **root, iso_error *err)
     char *text;
     size_t size;
     *root = NULL;
-    iso_status status = iso_file_read(path, &text, &size, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_json_parse(path, text, size, root, err);
+    NEED(iso_file_read(path, &text, &size, err));
+    iso_status status = iso_json_parse(path, text, size, root, err);
     free(text);
     return status;
 }

@@ -226,9 +226,7 @@ static iso_status add_input(void *user, const char *path, iso_error *err)
     iso_key *key = user;
     char part[sizeof INPUT + 16];
     uint64_t hash = 0;
-    const iso_status status = hash_path(path, &key->whole_bytes_left, &hash, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(hash_path(path, &key->whole_bytes_left, &hash, err));
     snprintf(part, sizeof part, INPUT "%016" PRIx64, (uint64_t)XXH3_64bits(path, strlen(path)));
     put_hash(key, part, hash);
     key->has_failed = json_object_set_new(key->shown, part, json_string_nocheck(path)) != 0 || key->has_failed;

@@ -45,9 +45,7 @@ static iso_status line_of(const entry *e, bool is_hashed, char **line, iso_error
     if (!is_folder && is_hashed) {
         char *data;
         size_t size;
-        const iso_status status = iso_file_read(e->path, &data, &size, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_file_read(e->path, &data, &size, err));
         snprintf(sum, sizeof sum, "%016" PRIx64, (uint64_t)XXH3_64bits(data, size));
         free(data);
     }

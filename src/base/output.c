@@ -149,10 +149,8 @@ static iso_status check_replaceable(const char *final_path, const char *marker, 
 
 iso_status iso_output_begin_dir(iso_output *out, const char *path, const char *marker, iso_error *err)
 {
-    iso_status status = reserve(out, path, err);
-    if (status != ISO_OK)
-        return status;
-    status = check_replaceable(out->final_path, marker, err);
+    NEED(reserve(out, path, err));
+    iso_status status = check_replaceable(out->final_path, marker, err);
     if (status == ISO_OK) {
         out->is_folder = true;
         if (mkdir(out->temp_path, 0777) != 0)
@@ -255,12 +253,10 @@ iso_status iso_output_resume_dir(iso_output *out, const char *path, const char *
 {
     bool is_new = false;
     *resumed = false;
-    iso_status status = reserve(out, path, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(reserve(out, path, err));
     out->is_folder = true;
     out->own = own;
-    status = name_partial(out, path, err);
+    iso_status status = name_partial(out, path, err);
     TRY(status, lock_partial(out, path, &is_new, err));
     if (status == ISO_OK) /* after the lock: another process may have finished meanwhile */
         status = check_replaceable(out->final_path, own[0], err);

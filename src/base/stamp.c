@@ -19,9 +19,7 @@ iso_status iso_stamp_append(const char *path, const char *comment, iso_error *er
 {
     char *data = NULL;
     size_t size = 0;
-    iso_status status = iso_file_read(path, &data, &size, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_file_read(path, &data, &size, err));
     const uint64_t sum = XXH64(data, size, 0);
     free(data);
     FILE *f = fopen(path, "ab");

@@ -27,4 +27,12 @@ iso_status iso_fail_in(iso_error *err, iso_status status, const char *format, ..
             (status) = (call);  \
     } while (0)
 
+/* Returns from the function with the status of call, if it fails: for functions that have nothing to release yet. */
+#define NEED(call)                              \
+    do {                                        \
+        const iso_status need_status_ = (call); \
+        if (need_status_ != ISO_OK)             \
+            return need_status_;                \
+    } while (0)
+
 #endif

@@ -5,9 +5,10 @@
 #include "report/page.h"
 
 ISO_EMBED(iso_bench_all_html, "src/bench/all.html");
+ISO_EMBED(iso_bench_all_css, "src/bench/all.css");
 ISO_EMBED(iso_bench_all_js, "src/bench/all.js");
 
-static const iso_page page_of_all = {.html = iso_bench_all_html, .scripts = {iso_bench_all_js}};
+static const iso_page page_of_all = {"isoshade bench all", iso_bench_all_html, {iso_bench_all_js}, iso_bench_all_css};
 
 static json_t *sentence_of(const json_t *answer)
 {

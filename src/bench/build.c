@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/parallel.h"
-#include "base/simd.h"
 #include "bench/bench.h"
 #include "bench/files.h"
 #include "pyramid/cascade.h"
@@ -44,10 +43,8 @@ static iso_status fill(const build_bench *b, iso_volume *v, iso_error *err)
     iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = iso_geometry_axis_aligned(block_size, spacing), .seed = 1};
     iso_geometry g = iso_geometry_axis_aligned(b->size, spacing);
     iso_volume block;
-    iso_status status = iso_field_sample(&field, b->type, &block, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_volume_create(v, &g, b->type, "bench build", err);
+    NEED(iso_field_sample(&field, b->type, &block, err));
+    iso_status status = iso_volume_create(v, &g, b->type, "bench build", err);
     const size_t width = iso_type_bytes(b->type), *n = b->size;
     if (status == ISO_OK) {
 #pragma omp parallel for schedule(static) num_threads(iso_threads(b->threads))
@@ -178,13 +175,11 @@ static iso_status time_build(const build_bench *b, const iso_volume *v, build_ti
     build_buffers buffers;
     double one = INFINITY, coded = INFINITY;
     t->level_count = iso_cascade_level_count(&v->geometry, &opt);
-    iso_status status = make_buffers(v, t->level_count, &buffers, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(make_buffers(v, t->level_count, &buffers, err));
     const iso_cascade_out nothing = {0};
     t->bytes_read = iso_geometry_voxel_count(&v->geometry) * iso_type_bytes(v->type);
     t->bytes_written = buffers.bytes;
-    status = time_with_means(v, &opt, buffers.out, b->runs, t, err);
+    iso_status status = time_with_means(v, &opt, buffers.out, b->runs, t, err);
     opt.scalar_filter = ISO_SCALAR_MEAN;
     opt.level_count = 1;
     TRY(status, time_cascade(v, &opt, &nothing, b->runs, &one, err));
@@ -319,10 +314,8 @@ static iso_status bench(const iso_cli *cli, build_bench *b, iso_error *err)
     iso_volume v;
     build_times t = {0};
     b->threads = b->opt.threads = cli->threads;
-    iso_status status = fill(b, &v, err);
-    if (status != ISO_OK)
-        return status;
-    status = time_build(b, &v, &t, err);
+    NEED(fill(b, &v, err));
+    iso_status status = time_build(b, &v, &t, err);
     TRY(status, time_central(b, &v, &t, err));
     const size_t memory = (size_t)(b->memory_mb * 1048576);
     if (status == ISO_OK && b->volume)

@@ -305,15 +305,11 @@ static iso_status bench(const iso_cli *cli, cast_options *opt, iso_error *err)
     char threads[16];
     iso_pyramid p;
     iso_gl *gl;
-    iso_status status = choose_width(opt, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(choose_width(opt, err));
     snprintf(threads, sizeof threads, "%d", iso_threads(cli->threads));
     setenv("LP_NUM_THREADS", threads, 0); /* read by llvmpipe */
-    status = iso_gl_create(&gl, NULL, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_bench_load(cli, &opt->render, &p, err);
+    NEED(iso_gl_create(&gl, NULL, err));
+    iso_status status = iso_bench_load(cli, &opt->render, &p, err);
     if (status == ISO_OK) {
         status = run_cases(cli, gl, &p, opt, err);
         iso_pyramid_destroy(&p);

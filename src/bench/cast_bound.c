@@ -32,9 +32,7 @@ iso_status iso_bench_count_samples(const iso_level *level, iso_code code, const 
     const double step_mm = view->step_voxels *
                            iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &level->geometry));
     iso_sampler sampler;
-    iso_status status = iso_sampler_create(&sampler, level, code, ISO_FROM_ON_THE_FLY, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_sampler_create(&sampler, level, code, ISO_FROM_ON_THE_FLY, err));
     size_t looked_up = 0, shown = 0;
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads)) reduction(+ : looked_up, shown)
     for (size_t row = 0; row < view->height; ++row) {

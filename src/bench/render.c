@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "volume/synthetic.h"
@@ -61,10 +60,8 @@ iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_rende
     options.fast_filter = true;
     iso_view view;
     iso_image image;
-    iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_gl_render(gl, level, p->options.code, &view, &options, &image, err);
+    NEED(iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err));
+    iso_status status = iso_gl_render(gl, level, p->options.code, &view, &options, &image, err);
     if (status == ISO_OK)
         iso_image_destroy(&image);
     iso_view_destroy(&view);
@@ -150,11 +147,9 @@ static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso
 {
     iso_pyramid p;
     iso_gl *gl;
-    iso_status status = iso_gl_create(&gl, NULL, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gl_create(&gl, NULL, err));
     iso_gl_time_processor(gl, opt->processor_time);
-    status = iso_bench_load(cli, opt, &p, err);
+    iso_status status = iso_bench_load(cli, opt, &p, err);
     if (status == ISO_OK) {
         status = opt->bricks ? iso_bench_bricks(cli, gl, &p, opt, err) : run_cases(cli, gl, &p, opt, err);
         iso_pyramid_destroy(&p);

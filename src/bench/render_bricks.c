@@ -64,15 +64,13 @@ static iso_status draw_texture(iso_gl *gl, const iso_pyramid *p, const iso_brick
     if (texture == TEXTURE_UNIFORM)
         return iso_bench_measure(gl, p, &once, what, seconds, err);
     const iso_level *level = &p->levels[0];
-    iso_status status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err));
     options.shaded = what.gradients != GRADIENTS_NONE;
     options.skip = ISO_GL_SKIP_NEVER;
     options.repeats = 2;
     options.fast_filter = true;
     f.faces = texture == TEXTURE_BAKED ? ISO_FACES_BAKED : ISO_FACES_OWN;
-    status = iso_gl_render_bricks(gl, &f, &view, &options, &image, &stats, err);
+    iso_status status = iso_gl_render_bricks(gl, &f, &view, &options, &image, &stats, err);
     if (status == ISO_OK)
         *seconds = stats.seconds;
     iso_image_destroy(&image);

@@ -200,11 +200,9 @@ iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0
                                      iso_error *err)
 {
     const iso_node_voxels voxels = iso_node_voxels_of(level0, opt->with_directions);
-    iso_status status = iso_node_levels_measure(n, level0, opt->brick_voxels, opt->level_count, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_node_levels_measure(n, level0, opt->brick_voxels, opt->level_count, err));
     n->filter = opt->filter;
-    status = allocate(n, 0, err);
+    iso_status status = allocate(n, 0, err);
     TRY(status, fill_levels(n, &voxels, iso_threads(opt->threads), err));
     if (status != ISO_OK)
         iso_node_levels_destroy(n);

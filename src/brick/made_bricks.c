@@ -382,11 +382,9 @@ const iso_node_voxels *iso_made_bricks_voxels(const iso_node_levels *n)
 iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level0, const uint8_t *levels,
                                       const iso_code *code, const iso_node_options *opt, iso_error *err)
 {
-    iso_status status = iso_node_levels_measure(n, level0, opt->brick_voxels, opt->level_count, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_node_levels_measure(n, level0, opt->brick_voxels, opt->level_count, err));
     n->filter = opt->filter;
-    status = iso_made_bricks_begin(n, level0, levels, code, opt->with_directions, err);
+    iso_status status = iso_made_bricks_begin(n, level0, levels, code, opt->with_directions, err);
     TRY(status, make_coarse(n, iso_threads(opt->threads), err));
     if (status != ISO_OK)
         iso_node_levels_destroy(n);

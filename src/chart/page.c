@@ -2,7 +2,6 @@
 #define _GNU_SOURCE
 #include "chart/page.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +17,9 @@ ISO_EMBED(iso_chart_css, "src/chart/chart.css");
 ISO_EMBED(iso_chart_page_js, "src/chart/chart_page.js");
 ISO_EMBED(iso_chart_plot_js, "src/chart/chart_plot.js");
 
-static const iso_page chart_page = {iso_chart_html, {iso_report_js, iso_chart_plot_js, iso_chart_page_js},
+static const iso_page chart_page = {"isoshade chart",
+                                    iso_chart_html,
+                                    {iso_report_js, iso_chart_plot_js, iso_chart_page_js},
                                     iso_chart_css};
 
 /* Total size of the embedded pictures, so that browsers open the page at once. Pictures of settings on a front are
@@ -71,8 +72,8 @@ static void sentence_of(const iso_chart_result *r, char *text, size_t size)
     }
     if (r->want > 0 && r->fastest < r->done_count) {
         iso_chart_describe(&r->cases[r->fastest], name, sizeof name);
-        snprintf(text, size, "The fastest of %zu measured with %s of at most %.3g is %s: %.3g ms a frame.", r->done_count,
-                 iso_chart_metric_title(r->metric), r->want, name,
+        snprintf(text, size, "The fastest of %zu measured with %s of at most %.3g is %s: %.3g ms a frame.",
+                 r->done_count, iso_chart_metric_title(r->metric), r->want, name,
                  1e3 * iso_chart_worst_seconds(r, &r->cases[r->fastest]));
     } else if (r->want > 0) {
         snprintf(text, size, "None of %zu measured has %s of at most %.3g.", r->done_count,
@@ -98,19 +99,18 @@ iso_status iso_chart_page_write(const iso_chart_result *r, const char *folder, c
     json_t *data = json_copy((json_t *)json), *inlined = NULL; /* shallow */
     const json_t *settings = json_object_get(json, "cases");
     sentence_of(r, sentence, sizeof sentence);
-    json_object_update_new(data, json_pack("{s:s, s:s, s:s, s:o, s:s, s:f}", "title",
-                                           iso_provenance_title(r->bench->path), "sentence", sentence, "metric_title",
-                                           iso_chart_metric_title(r->metric), "colors", colors_json(), "metric",
-                                           iso_chart_metric_name(r->metric), "wanted", r->want));
+    json_object_update_new(data,
+                           json_pack("{s:s, s:s, s:s, s:o, s:s, s:f}", "title", iso_provenance_title(r->bench->path),
+                                     "sentence", sentence, "metric_title", iso_chart_metric_title(r->metric), "colors",
+                                     colors_json(), "metric", iso_chart_metric_name(r->metric), "wanted", r->want));
     json_t *figures = json_array();
     for (size_t i = 0; i < r->done_count && i < json_array_size(settings); ++i) {
         const iso_chart_case *c = &r->cases[i];
         char series[160];
         iso_chart_describe_series(c, series, sizeof series);
-        json_array_append_new(figures,
-                              json_pack("{s:s, s:o, s:f}", "series", series, "error",
-                                        iso_json_number(iso_chart_error(c, r->metric)), "bytes",
-                                        iso_chart_bytes_of(c, r->bytes)));
+        json_array_append_new(figures, json_pack("{s:s, s:o, s:f}", "series", series, "error",
+                                                 iso_json_number(iso_chart_error(c, r->metric)), "bytes",
+                                                 iso_chart_bytes_of(c, r->bytes)));
     }
     json_object_set_new(data, "figures", figures); /* parallel to the cases */
     inlined = json_pack("{s:o, s:o}", "pictures", pictures_json(r), "references", references_json(r));

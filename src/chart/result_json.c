@@ -2,9 +2,7 @@
 /* result_json.c - the result of a chart as JSON. */
 #include "chart/untried.h"
 
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/machine.h"
 #include "base/provenance.h"

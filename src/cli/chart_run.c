@@ -272,15 +272,13 @@ static iso_status save_viewers(chart_run *run, iso_error *err)
 static iso_status finish(chart_run *run, iso_error *err)
 {
     iso_chart_result *result = &run->result;
-    iso_status status = iso_chart_result_sort(result, err);
-    TRY(status, save_viewers(run, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_chart_result_sort(result, err));
+    NEED(save_viewers(run, err));
     result->spent_seconds = iso_clock_seconds() - run->start_seconds;
     const iso_progress progress = iso_cli_progress(run->cli);
     iso_progress_report(&progress, "drawing", 0);
     json_t *json = iso_chart_result_json(result);
-    status = iso_chart_result_write(result, run->kept.output.temp_path, json, err);
+    iso_status status = iso_chart_result_write(result, run->kept.output.temp_path, json, err);
     TRY(status, iso_chart_kept_commit(&run->kept, err));
     result->spent_seconds = iso_clock_seconds() - run->start_seconds;
     iso_progress_line_hide(run->cli->progress);

@@ -97,12 +97,11 @@ static iso_status make_atlas(const iso_cli *cli, const bool *wanted, const char 
     size_t size = 0, fallen = 0;
     iso_atlas_page page = {.name = output, .cases = json_array()};
     json_object_set_new(root, "cases", page.cases);
-    iso_status status = iso_output_begin_dir(&out, output, "atlas.json", err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_output_begin_dir(&out, output, "atlas.json", err));
     page.dir = out.temp_path;
     page.html = open_memstream(&sections, &size);
-    status = page.html ? make_cases(cli, wanted, &page, &fallen, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    iso_status status = page.html ? make_cases(cli, wanted, &page, &fallen, err)
+                                  : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (page.html)
         fclose(page.html);
     TRY(status, write_page(out.temp_path, root, sections, err));

@@ -64,8 +64,9 @@ static iso_status compare(const iso_cli *cli, const baseline_arguments *a, const
     return status;
 }
 
-static iso_status baseline(const iso_cli *cli, const baseline_arguments *a, iso_error *err)
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
+    const baseline_arguments *a = values;
     const char *path = cli->arguments[1];
     json_t *report = NULL, *now = NULL;
     const bool is_there = iso_path_exists(path);
@@ -89,11 +90,6 @@ static const iso_option options[] = {
      ISO_IN(baseline_arguments, update)},
     ISO_OPTIONS_END,
 };
-
-static iso_status run(const iso_cli *cli, void *values, iso_error *err)
-{
-    return baseline(cli, values, err);
-}
 
 const iso_command iso_command_baseline = {
     .name = "baseline",

@@ -3,7 +3,6 @@
  * one. */
 #define _GNU_SOURCE
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/chart_run.h"

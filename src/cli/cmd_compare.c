@@ -23,9 +23,7 @@ static iso_status load(const iso_cli *cli, const compare_options *opt, iso_image
 {
     iso_image_choice choice = {.part = opt->part, .layer = opt->layer};
     for (int i = 0; i < 2; ++i) {
-        const iso_status status = iso_image_load(cli->arguments[i], &choice, &images[i], err);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_image_load(cli->arguments[i], &choice, &images[i], err));
         has_alpha[i] = choice.has_alpha;
     }
     if (opt->part && !choice.used_part)

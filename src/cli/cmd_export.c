@@ -144,11 +144,9 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
     iso_view view = {0};
     iso_planned planned = {0};
     iso_subject_look look;
-    iso_status status = check_arguments(a, &target, &look, iso, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check_arguments(a, &target, &look, iso, err));
     iso_cli_expect_names(a->cli, !iso_pyramid_is_one(a->cli->arguments[0]), target->stages, target->name);
-    status = load(a, target, &look, iso, &progress, &pyramid, &volume, &view, err);
+    iso_status status = load(a, target, &look, iso, &progress, &pyramid, &volume, &view, err);
     if (status == ISO_OK && a->plan)
         status = load_plan(a, &pyramid, &volume, &view, &planned, err);
     json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
@@ -233,16 +231,13 @@ static iso_status export_series(iso_export_arguments *a, iso_error *err)
     iso_subject_frames frames = {0};
     iso_view view = {0};
     iso_subject_look look;
-    iso_status status = check_arguments(a, &target, &look, iso, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check_arguments(a, &target, &look, iso, err));
     build.threads = a->cli->threads;
     build.level_count = (size_t)(a->level + a->level_count);
-    status = iso_subject_frames_create(a->cli->arguments[0], &a->input, &build,
-                                       iso_export_takes(target, ISO_EXPORT_SCENE) || iso_export_is_shown(a, target)
-                                           ? &look
-                                           : NULL,
-                                       &progress, &frames, err);
+    iso_status status = iso_subject_frames_create(
+        a->cli->arguments[0], &a->input, &build,
+        iso_export_takes(target, ISO_EXPORT_SCENE) || iso_export_is_shown(a, target) ? &look : NULL, &progress, &frames,
+        err);
     TRY(status, make_series_view(a, &frames, iso, &view, err));
     json_t *root = status == ISO_OK && a->cli->json ? iso_cli_json(a->cli) : NULL;
     char *command = iso_cli_command_line(a->cli);

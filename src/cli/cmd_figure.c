@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_figure.c - makes a publication figure of one of the kinds in src/figure. */
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "figure/job.h"

@@ -161,9 +161,7 @@ static const iso_option options[] = {
 static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     const list_options *o = values;
-    const iso_status status = iso_renderers_load(o->renderers, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_renderers_load(o->renderers, err));
     return o->gl ? list_gl(cli) : list(cli, o->markdown);
 }
 

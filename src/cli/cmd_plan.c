@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_plan.c - plans the smallest model that a scene needs, and verifies it by rendering. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/json.h"
@@ -162,11 +161,8 @@ static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, iso_no
     const iso_brick_faces faces = a->faces && strcmp(a->faces, "own") == 0 ? ISO_FACES_OWN : ISO_FACES_BAKED;
     iso_planner p;
     plan_update update;
-    iso_status status = iso_planner_create(&p, nodes, &(iso_planner_options){views, view_count, faces, cli->threads},
-                                           &progress, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_planner_search(&p, a->error, a->memory == NO_MEMORY ? 0 : a->memory, &progress, err);
+    NEED(iso_planner_create(&p, nodes, &(iso_planner_options){views, view_count, faces, cli->threads}, &progress, err));
+    iso_status status = iso_planner_search(&p, a->error, a->memory == NO_MEMORY ? 0 : a->memory, &progress, err);
     TRY(status, update_from(a, &p, cli->threads, &update, err));
     if (status == ISO_OK && a->image)
         status = iso_image_save(&p.best.image, a->image, NULL, err);

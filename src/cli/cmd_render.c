@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_render.c - renders a level of a volume with any of the renderers. */
 #define _GNU_SOURCE
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -137,14 +136,12 @@ static iso_status render_limit(const iso_render_arguments *a, const iso_cli *cli
 static iso_status prepare(const iso_render_arguments *a, const iso_cli *cli, iso_render_options *opt,
                           iso_pyramid_options *build, iso_subject_look *look, iso_error *err)
 {
-    iso_status status = iso_render_take_options(a, cli->threads, opt, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_render_take_options(a, cli->threads, opt, err));
     *build = iso_pyramid_defaults();
     build->threads = cli->threads;
     build->level_count = (size_t)a->level + 1;
     build->keep_float = opt->source == ISO_FROM_FLOAT || is_from_palette(opt->source);
-    status = take_build(a, cli->arguments[0], build, err);
+    iso_status status = take_build(a, cli->arguments[0], build, err);
     TRY(status, iso_render_check_output(a, err));
     return status == ISO_OK ? iso_cli_look_check(&a->look, cli->threads, look, err) : status;
 }

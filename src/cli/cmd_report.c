@@ -72,8 +72,9 @@ static iso_status diff(const iso_cli *cli, const report_arguments *a, const iso_
     return status;
 }
 
-static iso_status check_and_diff(const iso_cli *cli, const report_arguments *a, iso_error *err)
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
+    const report_arguments *a = values;
     iso_report_source of[2] = {{0}};
     if (strcmp(cli->arguments[0], "diff") != 0)
         return iso_fail(err, ISO_E_USAGE, "unknown subcommand \"%s\"; try: report diff A B", cli->arguments[0]);
@@ -95,11 +96,6 @@ static const iso_option options[] = {
      ISO_IN(report_arguments, results_only)},
     ISO_OPTIONS_END,
 };
-
-static iso_status run(const iso_cli *cli, void *values, iso_error *err)
-{
-    return check_and_diff(cli, values, err);
-}
 
 const iso_command iso_command_report = {
     .name = "report",

@@ -3,7 +3,6 @@
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -13,7 +12,6 @@
 #include "cli/tf_show.h"
 #include "cli/tf_suggest.h"
 #include "base/inputs.h"
-#include "base/parallel.h"
 #include "options/adapted.h"
 #include "options/input.h"
 #include "options/cli.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_validate.c - the main job: validates a volume and a scene, and writes a report. */
 #define _GNU_SOURCE
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -320,7 +319,6 @@ static bool has_own_scene(const iso_validate_arguments *a)
 {
     return !a->look.scene || a->look.tf || a->look.view || a->look.zoom;
 }
-
 
 /* Loads the scene file, which may be changed only by --size. Any other scene is written and read again, so that reports
  * can repeat it. */

@@ -74,9 +74,7 @@ static iso_status add_channel(several_job *job, const char *channel, iso_error *
     iso_volume_source *source = NULL;
     char name[NAME_BYTES];
     input.channel = (char *)channel;
-    iso_status status = iso_volume_input_open(a->cli->arguments[0], &input, &source, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_volume_input_open(a->cli->arguments[0], &input, &source, err));
     const iso_volume_notes *notes = &iso_source_volume(source)->notes;
     snprintf(name, sizeof name, "channel_%zu%s%.32s", notes->channel, notes->channel_name[0] ? "_" : "",
              notes->channel_name);

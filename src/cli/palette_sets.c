@@ -12,9 +12,7 @@ static iso_status opacity_weights(const iso_palette_arguments *a, const iso_tf *
                                   const double range[2], iso_palette_weighting *w, float **table, iso_error *err)
 {
     iso_tf_table t = {0};
-    iso_status status = iso_tf_tabulate(tf, range[0], range[1], g, &t, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_tf_tabulate(tf, range[0], range[1], g, &t, err));
     *table = malloc(t.count * sizeof **table);
     double length = iso_geometry_mean_spacing_mm(g);
     for (size_t i = 0; *table && i < t.count; ++i)
@@ -23,7 +21,8 @@ static iso_status opacity_weights(const iso_palette_arguments *a, const iso_tf *
     w->by_value_count = t.count;
     w->by_value_lo = t.lo;
     w->by_value_hi = t.hi;
-    status = *table ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory for %zu weights", a->tf, t.count);
+    iso_status status = *table ? ISO_OK
+                               : iso_fail(err, ISO_E_MEMORY, "%s: out of memory for %zu weights", a->tf, t.count);
     iso_tf_table_destroy(&t);
     return status;
 }

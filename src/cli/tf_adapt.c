@@ -162,9 +162,7 @@ iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, const iso_subject_
     const char *input = a->cli->arguments[1];
     iso_progress progress = iso_cli_progress(a->cli);
     if (iso_pyramid_is_one(input)) {
-        const iso_status status = iso_pyramid_load_outline(input, p, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_pyramid_load_outline(input, p, err));
         small_views = small_views && iso_geometry_voxel_count(&p->levels[0].geometry) <= ISO_SMALL_VIEWS_MAX_VOXELS;
         if (!small_views && !iso_subject_look_needs_values(look))
             return ISO_OK;

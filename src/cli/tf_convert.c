@@ -186,18 +186,14 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
     if (!output)
         return iso_fail(err, ISO_E_USAGE, "usage: isoshade tf convert FILE|PRESET OUT, where OUT ends in %s",
                         iso_tf_format_written(written, sizeof written));
-    iso_status status = iso_cli_refuse_same_file(output, a->cli->arguments[1], err);
-    TRY(status, iso_inputs_announce(output, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_cli_refuse_same_file(output, a->cli->arguments[1], err));
+    NEED(iso_inputs_announce(output, err));
     const iso_tf_format *format = iso_tf_format_of(output);
     if (!format || !format->save)
         return iso_fail(err, ISO_E_USAGE, "\"%s\" must end with %s", output,
                         iso_tf_format_written(written, sizeof written));
-    status = iso_cli_tf_load_table(a, a->cli->arguments[1], &t, err);
-    if (status != ISO_OK)
-        return status;
-    status = check_known(a, format, &t.tf, err);
+    NEED(iso_cli_tf_load_table(a, a->cli->arguments[1], &t, err));
+    iso_status status = check_known(a, format, &t.tf, err);
     const double unit_mm = format->is_per_voxel ? t.voxel_mm : t.unit_mm;
     if (status == ISO_OK)
         status = format->save(&(iso_tf_output){&t.tf, &t.table, unit_mm}, output, err);

@@ -5,7 +5,6 @@
 #include "cli/tf_show.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "cli/histogram_picture.h"
@@ -61,9 +60,7 @@ static iso_status put_histogram(FILE *gp, size_t panel, const show_picture *p, c
     char name[32];
     iso_value_histogram h = {0};
     snprintf(name, sizeof name, "bins%zu", panel);
-    iso_status status = iso_value_histogram_count(p->volume, range[0], range[1], BINS, &h, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_value_histogram_count(p->volume, range[0], range[1], BINS, &h, err));
     iso_histogram_put_data(gp, name, &h);
     iso_histogram_put_ticks(gp, "y2", &h);
     fputs("set y2label 'voxels'\n", gp);

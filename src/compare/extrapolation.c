@@ -41,34 +41,6 @@ iso_status iso_richardson(const iso_image *coarse, const iso_image *fine, double
     return ISO_OK;
 }
 
-static double rms_difference(const iso_image *a, const iso_image *b)
-{
-    double squares = 0;
-    size_t count = 4 * a->width * a->height;
-    for (size_t i = 0; i < count; ++i) {
-        double d = (double)a->rgba[i] - (double)b->rgba[i];
-        squares += d * d;
-    }
-    return sqrt(squares / (double)count);
-}
-
-iso_status iso_observed_order(const iso_image *a, const iso_image *b, const iso_image *c, double ratio, double *order,
-                              iso_error *err)
-{
-    iso_status status = check_pair(a, b, ratio, err);
-    TRY(status, check_pair(b, c, ratio, err));
-    if (status != ISO_OK)
-        return status;
-    double coarse = rms_difference(a, b), fine = rms_difference(b, c);
-    *order = fine > 0 ? log(coarse / fine) / log(ratio) : NAN;
-    return ISO_OK;
-}
-
-bool iso_extrapolated_agree(double rmse, double bar_a, double bar_b, double factor, double floor)
-{
-    return rmse <= factor * hypot(bar_a, bar_b) + floor;
-}
-
 /* ---- several seeds ------------------------------------------------------------- */
 
 void iso_extrapolated_destroy(iso_extrapolated *limit)

@@ -26,15 +26,6 @@ typedef struct iso_extrapolation {
 iso_status iso_richardson(const iso_image *coarse, const iso_image *fine, double ratio, double order, iso_image *limit,
                           iso_extrapolation *out, iso_error *err);
 
-/* Computes the order that images at steps h, h / ratio, h / ratio^2 show: log |a - b| / |b - c| to that base, in RMSE.
- * NaN if the finer two are equal. */
-iso_status iso_observed_order(const iso_image *a, const iso_image *b, const iso_image *c, double ratio, double *order,
-                              iso_error *err);
-
-/* True if two limits agree: their RMSE is at most `factor` times the root of the summed squares of their bars, plus
- * floor (the share of rounding). NaN never agrees. */
-bool iso_extrapolated_agree(double rmse, double bar_a, double bar_b, double factor, double floor);
-
 /* ---- several seeds ------------------------------------------------------------- */
 
 enum { ISO_EXTRAPOLATION_MAX_SEEDS = 32 };

@@ -324,10 +324,8 @@ static iso_status flip_at(const iso_image *a, const iso_image *b, double ppd, do
                           iso_error *err)
 {
     percept pa, pb;
-    iso_status status = perceive(a, ppd, scale, tone, &pa, err);
-    if (status != ISO_OK)
-        return status;
-    status = perceive(b, ppd, scale, tone, &pb, err);
+    NEED(perceive(a, ppd, scale, tone, &pa, err));
+    iso_status status = perceive(b, ppd, scale, tone, &pb, err);
     if (status == ISO_OK) {
         combine(&pa, &pb, a->width * a->height, map);
         percept_destroy(&pb);
@@ -338,9 +336,7 @@ static iso_status flip_at(const iso_image *a, const iso_image *b, double ppd, do
 
 iso_status iso_flip_ldr(const iso_image *a, const iso_image *b, double pixels_per_degree, float *map, iso_error *err)
 {
-    iso_status status = check(a, b, pixels_per_degree, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check(a, b, pixels_per_degree, err));
     memset(map, 0, a->width * a->height * sizeof *map);
     return flip_at(a, b, pixels_per_degree, 1, false, map, err);
 }

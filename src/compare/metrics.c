@@ -160,9 +160,7 @@ iso_status iso_image_difference(const iso_image *a, const iso_image *b, double s
         return iso_fail(err, ISO_E_RANGE,
                         "difference: the images have %zux%zu and %zux%zu pixels, must be of one size", a->width,
                         a->height, b->width, b->height);
-    iso_status status = iso_image_create(out, a->width, a->height, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_image_create(out, a->width, a->height, err));
     size_t count = a->width * a->height;
     double largest = 0;
     for (size_t i = 0; i < count; ++i)

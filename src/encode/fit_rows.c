@@ -4,10 +4,8 @@
 #include "encode/fit_rows.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "base/simd.h"
-#include "encode/encode_kernel.h"
 #include "encode/fit.h"
 
 #define INLINE static inline __attribute__((always_inline))

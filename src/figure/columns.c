@@ -93,9 +93,7 @@ static iso_status choose_pixels(drawn *w, iso_error *err)
 {
     const iso_figure_sheet sheet = sheet_of(w);
     double width_mm = 0;
-    const iso_status status = iso_figure_panel_width(&sheet, &width_mm, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_figure_panel_width(&sheet, &width_mm, err));
     w->width = iso_page_dots(w->page, width_mm);
     w->height = (size_t)fmax(1, rint((double)w->width / w->c->aspect));
     return ISO_OK;
@@ -190,13 +188,11 @@ static void write_caption(const drawn *w)
 static iso_status draw(drawn *w, iso_error *err)
 {
     lay_out(w);
-    iso_status status = choose_pixels(w, err);
-    TRY(status, render_all(w, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(choose_pixels(w, err));
+    NEED(render_all(w, err));
     write_caption(w);
     const iso_figure_sheet sheet = sheet_of(w);
-    status = iso_figure_draw(&sheet, w->page, err);
+    iso_status status = iso_figure_draw(&sheet, w->page, err);
     if (status == ISO_OK)
         iso_figure_put_tf_foot(&w->c->tf, w->page, w->c->foot_mm);
     return status;

@@ -68,11 +68,9 @@ static iso_status draw_failure(const iso_figure_job *job, iso_page *page, iso_er
                             .compared = true,
                             .render = render,
                             .user = &e};
-    iso_status status = find(job->atlas_case, &found, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(find(job->atlas_case, &found, err));
     e.one = *found;
-    status = iso_atlas_run(found, &r, err); /* the figures that the atlas checks are for its own size */
+    iso_status status = iso_atlas_run(found, &r, err); /* the figures that the atlas checks are for its own size */
     if (status == ISO_OK && found->scene.field)
         status = iso_atlas_volume(&found->scene, &e.volume, err);
     if (status == ISO_OK && found->scene.field && !found->draw)

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The table of kinds, and making a figure. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

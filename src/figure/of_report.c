@@ -163,13 +163,9 @@ static iso_status add_level(figure *f, const json_t *row, size_t at, iso_error *
     panel p = {.row = 2 * at, .column = level, .image = string_of(row, "image")};
     if (at == 0)
         snprintf(p.title, sizeof p.title, "level %zu", level);
-    iso_status status = add_panel(f, p, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(add_panel(f, p, err));
     p = (panel){.row = 2 * at + 1, .column = level, .image = p.image, .against = string_of(row, "reference_image")};
-    status = add_panel(f, p, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(add_panel(f, p, err));
     panel *added = &f->panels[f->count - 1];
     snprintf(added->note, sizeof added->note, "RMSE %.3g|1−SSIM %.3g|FLIP %.3g", added->metrics.rmse,
              1 - added->metrics.ssim, added->metrics.flip_mean);
@@ -260,11 +256,9 @@ static iso_status add_comparison(figure *f, const json_t *row, size_t column, is
         snprintf(middle.side, sizeof middle.side, "renderer");
         snprintf(bottom.side, sizeof bottom.side, "difference");
     }
-    iso_status status = add_panel(f, top, err);
-    TRY(status, add_panel(f, middle, err));
-    TRY(status, add_panel(f, bottom, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(add_panel(f, top, err));
+    NEED(add_panel(f, middle, err));
+    NEED(add_panel(f, bottom, err));
     panel *added = &f->panels[f->count - 1];
     snprintf(added->note, sizeof added->note, "RMSE %.2g|max %.2g", added->metrics.rmse, added->metrics.max_abs);
     fprintf(f->caption, " %s, against %.*s: RMSE %.3g, largest difference %.3g, FLIP %.3g (%s).", top.title,

@@ -2,7 +2,6 @@
 /* Color bars and scale bars of page.h. */
 #include <math.h>
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "compare/srgb.h"

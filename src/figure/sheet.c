@@ -468,9 +468,7 @@ iso_status iso_figure_panel_width(const iso_figure_sheet *sheet, double *width_m
 iso_status iso_figure_draw(const iso_figure_sheet *f, iso_page *page, iso_error *err)
 {
     layout l;
-    const iso_status status = plan_layout(f, &l, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(plan_layout(f, &l, err));
     iso_page_set_size(page, l.width, l.height + f->foot_mm);
     iso_page_set_text_pt(page, ISO_PAGE_TITLE, l.title_pt);
     iso_page_set_text_pt(page, ISO_PAGE_NOTE, note_pt);

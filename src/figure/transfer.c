@@ -2,8 +2,6 @@
 /* A transfer function: opacity over value, filled with its colors, over the histogram of the volume. Below it a bar
  * of the colors over a checkerboard, with their opacity. Several levels have one each. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "figure/kinds_of_volume.h"
 #include "figure/picture.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The volume from all sides: frames on a page, as an animation, and as files. */
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -99,14 +98,12 @@ static iso_status draw_frames(turned *t, const iso_figure_job *job, iso_page *pa
     c.per_row = choose_row(c.count, job->width_mm);
     for (size_t i = 0; i < c.count; ++i)
         snprintf(c.titles[i], sizeof c.titles[i], "%.4g°", 360.0 * (double)frame_of(t, i) / (double)t->frames);
-    iso_status status = iso_figure_subject_load(&t->subject, job, t->level + 1, NULL, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_figure_subject_load(&t->subject, job, t->level + 1, NULL, err));
     write_caption(t, iso_page_caption(page));
     c.drawn_by = &t->subject.drawn_by;
     c.tf = iso_figure_tf_foot_of(&t->subject);
     c.aspect = iso_figure_aspect(&t->subject);
-    status = iso_figure_draw_columns(&c, page, err);
+    iso_status status = iso_figure_draw_columns(&c, page, err);
     if (status == ISO_OK)
         fputs(" turntable.png is an animation of all, 10 per second; frames/ has each as a file.",
               iso_page_caption(page));

@@ -86,10 +86,8 @@ iso_status iso_level_scalars_make(const iso_level_scalar_input *in, float *least
                                   iso_fit_report *report, iso_error *err)
 {
     iso_interpolation map;
-    iso_status status = iso_interpolation_create(&map, in->level0->geometry.size, in->level, err);
-    if (status != ISO_OK)
-        return status;
-    status = make_least_squares(in, &map, least_squares, err);
+    NEED(iso_interpolation_create(&map, in->level0->geometry.size, in->level, err));
+    iso_status status = make_least_squares(in, &map, least_squares, err);
     if (status == ISO_OK && fitted) {
         memcpy(fitted, least_squares, map.coarse_count * sizeof *fitted);
         status = make_fitted(in, &map, fitted, report, err);

@@ -36,10 +36,8 @@ iso_status iso_image_save_exr(const iso_image *image, const char *path, const is
     iso_output out;
     char *data = NULL;
     size_t size = 0;
-    iso_status status = iso_output_begin(&out, path, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_exr_encode(path, image, notes, &data, &size, err);
+    NEED(iso_output_begin(&out, path, err));
+    iso_status status = iso_exr_encode(path, image, notes, &data, &size, err);
     TRY(status, write_bytes(out.temp_path, data, size, err));
     TRY(status, iso_exr_verify(out.temp_path, image, err));
     free(data);
@@ -67,10 +65,8 @@ iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, i
     char *data;
     size_t size;
     *header = (iso_exr_header){0};
-    iso_status status = iso_picture_read_kind(path, ISO_PICTURE_EXR, "OpenEXR", &data, &size, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_exr_decode_header(path, data, size, header, err);
+    NEED(iso_picture_read_kind(path, ISO_PICTURE_EXR, "OpenEXR", &data, &size, err));
+    iso_status status = iso_exr_decode_header(path, data, size, header, err);
     free(data);
     return status;
 }
@@ -80,10 +76,8 @@ iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err
     char *data;
     size_t size;
     *image = (iso_image){0};
-    iso_status status = iso_picture_read_kind(path, ISO_PICTURE_EXR, "OpenEXR", &data, &size, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_exr_decode(path, data, size, NULL, image, err);
+    NEED(iso_picture_read_kind(path, ISO_PICTURE_EXR, "OpenEXR", &data, &size, err));
+    iso_status status = iso_exr_decode(path, data, size, NULL, image, err);
     free(data);
     return status;
 }

@@ -347,10 +347,8 @@ iso_status iso_exr_decode(const char *path, const char *data, size_t size, iso_i
 {
     ByteInput input(data, size);
     *image = iso_image{};
-    iso_status status = check_header(path, data, size, err);
-    if (status != ISO_OK)
-        return status;
-    status = guarded(path, err, [&] { return decode(path, input, size, choice, image, err); });
+    NEED(check_header(path, data, size, err));
+    iso_status status = guarded(path, err, [&] { return decode(path, input, size, choice, image, err); });
     if (status != ISO_OK)
         iso_image_destroy(image);
     return status;

@@ -2,11 +2,9 @@
 #include "image/image.h"
 
 #include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <png.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -179,10 +177,8 @@ iso_status iso_image_load_ppm(const char *path, iso_image *image, iso_error *err
     char *data;
     size_t size;
     *image = (iso_image){0};
-    iso_status status = iso_picture_read_kind(path, ISO_PICTURE_PPM, "PPM of 16 bits", &data, &size, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_ppm_decode(path, data, size, image, err);
+    NEED(iso_picture_read_kind(path, ISO_PICTURE_PPM, "PPM of 16 bits", &data, &size, err));
+    iso_status status = iso_ppm_decode(path, data, size, image, err);
     free(data);
     return status;
 }

@@ -172,10 +172,8 @@ iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err
     size_t size;
     bool has_alpha;
     *image = (iso_image){0};
-    iso_status status = iso_picture_read_kind(path, ISO_PICTURE_PNG, "PNG", &data, &size, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_png_decode(path, data, size, &has_alpha, image, err);
+    NEED(iso_picture_read_kind(path, ISO_PICTURE_PNG, "PNG", &data, &size, err));
+    iso_status status = iso_png_decode(path, data, size, &has_alpha, image, err);
     free(data);
     return status;
 }

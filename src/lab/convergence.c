@@ -89,7 +89,7 @@ static iso_status descend(const iso_render_request *q, const convergence_options
     TRY(status, iso_metrics_measure(&limit, reference, &m, err));
     d->limit_rmse = m.rmse;
     d->error_bar = extrapolation.error_bar;
-    d->agrees = status == ISO_OK && iso_extrapolated_agree(m.rmse, d->error_bar, 0, bars_allowed, rounding);
+    d->agrees = status == ISO_OK && m.rmse <= bars_allowed * d->error_bar + rounding;
     iso_image_destroy(&image);
     iso_image_destroy(&coarser);
     iso_image_destroy(&limit);
@@ -174,8 +174,9 @@ static iso_status parse_renderers(const char *text, descent d[ISO_MAX_RENDERERS]
     return status;
 }
 
-static iso_status bench(const iso_cli *cli, const convergence_options *o, iso_error *err)
+static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
+    const convergence_options *o = values;
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_renderers renderers = {0};
@@ -235,11 +236,6 @@ static const iso_option options[] = {
     ISO_OPTIONS_OF(convergence_options, input, iso_input_rows),
     ISO_OPTIONS_END,
 };
-
-static iso_status run(const iso_cli *cli, void *values, iso_error *err)
-{
-    return bench(cli, values, err);
-}
 
 const iso_command iso_lab_convergence = {
     .name = "convergence",

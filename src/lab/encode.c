@@ -198,9 +198,7 @@ static iso_status bench_tables(bool text, iso_paper_table tables[], json_t *root
         printf("Table 3: seconds to compute the table of T (paper)\n");
     for (int i = 0; i < TABLE_COUNT; ++i) {
         double start = thread_seconds();
-        iso_status status = iso_paper_table_create(table_sizes[i], &tables[i], err);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_paper_table_create(table_sizes[i], &tables[i], err));
         double seconds = thread_seconds() - start;
         json_array_append_new(list, json_pack("{s:i, s:f, s:f}", "size", (int)table_sizes[i], "seconds", seconds,
                                               "paper_seconds", paper_seconds[i]));

@@ -3,7 +3,6 @@
  * their reliability, by storage format. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "base/json.h"
 #include "base/random.h"
@@ -87,9 +86,7 @@ iso_status iso_lab_encode_coherence(bool text, size_t count, json_t *root, iso_e
     for (size_t m = 0; m < sizeof methods / sizeof methods[0]; ++m) {
         for (int i = 0; i < APART_COUNT; ++i) {
             opt.apart_deg = apart_deg[i];
-            iso_status status = iso_code_error_measure(&methods[m].scheme, &opt, &e[i], err);
-            if (status != ISO_OK)
-                return status;
+            NEED(iso_code_error_measure(&methods[m].scheme, &opt, &e[i], err));
         }
         put(methods[m].name, (int)iso_code_describe(methods[m].scheme.code)->bytes, e, text, list);
     }
@@ -134,9 +131,7 @@ iso_status iso_lab_encode_stiffness(bool text, size_t count, json_t *root, iso_e
         opt.climb = false;
         for (int a = 0; a < 3; ++a) {
             opt.apart_deg = apart[a];
-            iso_status status = iso_code_error_measure(&rows[i].scheme, &opt, &e[a], err);
-            if (status != ISO_OK)
-                return status;
+            NEED(iso_code_error_measure(&rows[i].scheme, &opt, &e[a], err));
         }
         json_array_append_new(list, json_pack("{s:f, s:f, s:f, s:f}", "mu", rows[i].mu, "mean_error_deg", e[0].mean_deg,
                                               "filtered_15_mean_error_deg", e[1].mean_deg, "filtered_60_mean_error_deg",

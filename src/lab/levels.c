@@ -4,7 +4,6 @@
  * Level 0 with its own gradients is rendered once per view, and so is every level by every method. Results form two
  * blocks: the volumes by which methods were chosen, and those held back from all choices. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/parallel.h"

@@ -86,9 +86,7 @@ static iso_status table_line(const palette_bench *b, const fitted_sets *s, iso_p
         for (size_t i = 0; i < count; ++i) {
             iso_palette_error e;
             double once;
-            iso_status status = fit_and_measure(&s->fitted_to[i], &s->measured_on[i], &opt, &entries, &e, &once, err);
-            if (status != ISO_OK)
-                return status;
+            NEED(fit_and_measure(&s->fitted_to[i], &s->measured_on[i], &opt, &entries, &e, &once, err));
             mean.norm1 += e.norm1 / (double)count;
             mean.rms_deg += e.rms_deg / (double)count;
             mean.max_deg = fmax(mean.max_deg, e.max_deg);
@@ -203,11 +201,9 @@ static iso_status assign_case(const palette_bench *b, const iso_direction_set *s
     iso_rival_options opt = method_options(b, ISO_RIVAL_KMEANSPP, directions);
     iso_palette p;
     iso_palette_lookup *lookup;
-    iso_status status = iso_rival_palette_fit(set, &opt, &p, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_rival_palette_fit(set, &opt, &p, err));
     double start = iso_clock_seconds();
-    status = iso_palette_lookup_create(&p, &lookup, err);
+    iso_status status = iso_palette_lookup_create(&p, &lookup, err);
     double build = iso_clock_seconds() - start;
     if (status == ISO_OK) {
         double rate = 1e-6 * ASSIGN_BLOCK / block_seconds(lookup, to->vectors, to->index);
@@ -265,10 +261,8 @@ iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, is
     iso_volume_source *source = NULL;
     double start = iso_clock_seconds();
     gradient.threads = b->cli->threads;
-    iso_status status = iso_direction_pool_create(&pool, b->cli->threads, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_volume_input_open(path, &b->input, &source, err);
+    NEED(iso_direction_pool_create(&pool, b->cli->threads, err));
+    iso_status status = iso_volume_input_open(path, &b->input, &source, err);
     TRY(status, iso_palette_sample_source(pool, source, &gradient, NULL, NULL, err));
     TRY(status, iso_direction_pool_finish(pool, set, err));
     iso_source_close(source);
@@ -288,10 +282,8 @@ iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, js
     const char *name = iso_path_base(path);
     iso_direction_set set, coarse = {0};
     double seconds;
-    iso_status status = iso_palette_bench_sample(b, path, &set, &seconds, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_direction_set_coarsen(&set, ANNEAL_CELLS, &coarse, err);
+    NEED(iso_palette_bench_sample(b, path, &set, &seconds, err));
+    iso_status status = iso_direction_set_coarsen(&set, ANNEAL_CELLS, &coarse, err);
     char title[256];
     snprintf(title, sizeof title, "\n%s: %zu bundles of gradients, read and pooled in %.3f s", name, set.count,
              seconds);

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "base/parallel.h"
@@ -93,10 +92,8 @@ static iso_status add_row(stage *s, const iso_level *level, directions_by by, co
     iso_image image;
     iso_metrics metrics;
     double seconds;
-    iso_status status = render(s, level, by, &image, &seconds, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_metrics_measure(&s->wanted, &image, &metrics, err);
+    NEED(render(s, level, by, &image, &seconds, err));
+    iso_status status = iso_metrics_measure(&s->wanted, &image, &metrics, err);
     iso_image_destroy(&image);
     if (status != ISO_OK)
         return status;

@@ -13,7 +13,7 @@
 #include "plan/planner.h"
 #include "options/look.h"
 #include "povray/povray.h"
-#include "vdb/vdb.h"
+#include "lab/vdb_read.h"
 
 typedef struct plan_bench {
     iso_volume_input input;
@@ -140,10 +140,8 @@ static iso_status measure_bake(bench_state *s, iso_error *err)
 static iso_status make_plan(bench_state *s, iso_node_levels *nodes, const iso_progress *progress, iso_error *err)
 {
     const iso_planner_options opt = {s->views, 1, ISO_FACES_BAKED, s->bench->cli->threads};
-    iso_status status = iso_planner_create(&s->planner, nodes, &opt, progress, err);
-    TRY(status, iso_planner_search(&s->planner, s->bench->error, 0, progress, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_planner_create(&s->planner, nodes, &opt, progress, err));
+    NEED(iso_planner_search(&s->planner, s->bench->error, 0, progress, err));
     const iso_plan_trial *t = &s->planner.best;
     char *path = iso_path_join(s->folder, "plan.json");
     json_t *plan = json_pack("{s:s, s:[iii], s:i, s:i}", "schema", "isoshade.plan/1", "bricks", (int)nodes->count[0],
@@ -152,7 +150,7 @@ static iso_status make_plan(bench_state *s, iso_node_levels *nodes, const iso_pr
     json_t *bricks = iso_plan_file_bricks(t->levels, t->drawn, s->planner.wanted, s->planner.plan.brick_count);
     json_object_update(plan, bricks);
     json_decref(bricks);
-    status = iso_json_save(path, plan, err);
+    iso_status status = iso_json_save(path, plan, err);
     json_decref(plan);
     if (status == ISO_OK)
         status = iso_planned_create(path,

@@ -5,7 +5,6 @@
  * gate of the agreement (power.h). All results follow from --seed. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/parallel.h"
@@ -431,9 +430,7 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     power_options *o = values;
     iso_renderers renderers = {0};
-    iso_status status = check(o, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check(o, err));
     o->threads = cli->threads;
     iso_sensitivity_options s = {.scenes = o->repetitions,
                                  .pixels = o->size,
@@ -448,9 +445,9 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
                                              .scenes = o->random,
                                              .seed = o->seed,
                                              .threads = o->threads};
-    status = o->random        ? iso_power_random(&random, cli, err)
-             : o->sensitivity ? iso_power_sensitivity(&renderers, &s, cli, err)
-                              : bench(cli, o, &renderers, err);
+    iso_status status = o->random        ? iso_power_random(&random, cli, err)
+                        : o->sensitivity ? iso_power_sensitivity(&renderers, &s, cli, err)
+                                         : bench(cli, o, &renderers, err);
     iso_renderers_end(&renderers);
     return status;
 }

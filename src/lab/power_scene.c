@@ -121,10 +121,8 @@ static iso_status make_scene(const iso_power_case *c, power_scene *s, iso_error 
     *s = (power_scene){.view = {.width = c->pixels, .height = c->pixels, .step_voxels = 0.5}};
     build.level_count = 2; /* level 1 is for a planted fault */
     build.threads = c->threads;
-    iso_status status = iso_field_sample(&field, ISO_U16, &volume, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_pyramid_build(&volume, "power", &build, &s->pyramid, NULL, err);
+    NEED(iso_field_sample(&field, ISO_U16, &volume, err));
+    iso_status status = iso_pyramid_build(&volume, "power", &build, &s->pyramid, NULL, err);
     iso_volume_destroy(&volume);
     if (status != ISO_OK)
         return status;

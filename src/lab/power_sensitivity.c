@@ -8,13 +8,13 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/embed.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "base/parallel.h"
 #include "validate/calibrate.h"
+#include "lab/frame_cache.h"
 #include "lab/power.h"
 #include "report/gnuplot.h"
 
@@ -204,10 +204,10 @@ static iso_status run_scene(study *s, int i, bool few, iso_error *err)
     iso_frame_cache cache = {0};
     iso_status status = iso_power_open(s->renderers, &c, err);
     for (size_t p = 0; p < s->probe_count && status == ISO_OK; ++p) {
-        s->renderers->cache = renders_each_amount(&s->probes[p]) ? NULL : &cache;
+        iso_frame_cache_use(s->renderers, renders_each_amount(&s->probes[p]) ? NULL : &cache);
         if (!s->probes[p].is_calibration && s->probes[p].few == few)
             status = run_probe(s, &c, p, i, err);
-        s->renderers->cache = NULL;
+        iso_frame_cache_use(s->renderers, NULL);
     }
     iso_frame_cache_clear(&cache);
     iso_power_close(&c);

@@ -108,9 +108,7 @@ static iso_status draw(seams *s, const char *path, iso_error *err)
     enum { panel = 280, gap = 8, count = 4 };
     const double width = 2.4;
     iso_image image;
-    iso_status status = iso_image_create(&image, count * panel + (count - 1) * gap, panel, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_image_create(&image, count * panel + (count - 1) * gap, panel, err));
     memset(s->levels, 0, sizeof s->levels);
     s->levels[1 + SIDE * (1 + SIDE * 1)] = 1;
     s->levels[1 + SIDE * (1 + SIDE * 0)] = s->levels[1 + SIDE * (1 + SIDE * 2)] = 1;
@@ -132,7 +130,7 @@ static iso_status draw(seams *s, const char *path, iso_error *err)
         if (x == panel / 2 || row == panel / 2)
             pixel[0] = fminf(1, pixel[0] + 0.5f); /* the faces */
     }
-    status = iso_image_save_png(&image, path, 1, err);
+    iso_status status = iso_image_save_png(&image, path, 1, err);
     iso_image_destroy(&image);
     return status;
 }

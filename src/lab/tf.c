@@ -159,13 +159,10 @@ static iso_status measure_frame(const tf_bench *b, const iso_pyramid *p, const i
                                     .table_size = 256,
                                     .point_count = 2,
                                     .points = points}};
-    iso_status status = iso_scene_resolve(&scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, &view,
-                                          err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_scene_resolve(&scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, &view, err));
     iso_tf_table own = view.tf;
     view.tf = *tf;
-    status = iso_gl_create(&gl, NULL, err);
+    iso_status status = iso_gl_create(&gl, NULL, err);
     TRY(status, iso_gl_render(gl, &p->levels[0], p->options.code, &view, &opt, &image, err));
     view.tf = own;
     iso_image_destroy(&image);

@@ -76,9 +76,7 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
     iso_call call;
     iso_view view = {0};
     size_t row = 0;
-    iso_status status = iso_names_find(&iso_export_target_names, target, &row, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_names_find(&iso_export_target_names, target, &row, err));
     const iso_export_target *t = iso_export_target_at(row);
     const iso_export_job job = {.pyramid = pyramid,
                                 .level = given.level,
@@ -92,7 +90,7 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
                                 .user = &l,
                                 .view_of_level = view_of_level};
     iso_call_begin(&call, given.progress, given.progress_user);
-    status = check_options(t, scene, &given, err);
+    iso_status status = check_options(t, scene, &given, err);
     TRY(status, check_levels(pyramid, &given, err));
     if (status == ISO_OK && (iso_export_takes(t, ISO_EXPORT_SCENE) || given.extinction_scale))
         status = iso_scene_view(scene, pyramid, given.tf, given.width, given.height, &view, err);

@@ -39,15 +39,13 @@ iso_status iso_build(const iso_volume *volume, const iso_build_options *options,
     const iso_build_options given = options ? *options : iso_build_defaults();
     iso_pyramid_options o;
     *pyramid = NULL;
-    iso_status status = take_build_options(&given, &o, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(take_build_options(&given, &o, err));
     iso_pyramid *p = calloc(1, sizeof *p);
     if (!p)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_call call;
     iso_call_begin(&call, given.progress, given.progress_user);
-    status = iso_pyramid_build(volume, "memory", &o, p, &call.progress, err);
+    iso_status status = iso_pyramid_build(volume, "memory", &o, p, &call.progress, err);
     status = iso_call_end(&call, status, err);
     if (status == ISO_OK)
         *pyramid = p;
@@ -77,9 +75,7 @@ size_t iso_pyramid_level_count(const iso_pyramid *pyramid)
 iso_status iso_pyramid_level(const iso_pyramid *pyramid, size_t level, iso_level_view *view, iso_error *err)
 {
     *view = (iso_level_view){0};
-    iso_status status = iso_pyramid_check_level(pyramid, NULL, level, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_pyramid_check_level(pyramid, NULL, level, err));
     const iso_level *l = &pyramid->levels[level];
     *view = (iso_level_view){.grid = iso_grid_of_geometry(&l->geometry),
                              .min = l->min,
@@ -139,9 +135,7 @@ iso_status iso_directions_encode(const char *code, const float *directions, size
                                  iso_error *err)
 {
     iso_code which;
-    iso_status status = iso_code_from_name(code, &which, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_code_from_name(code, &which, err));
     for (size_t i = 0; i < count; ++i) {
         const float *d = directions + 3 * i;
         if (!is_direction(d))

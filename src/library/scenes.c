@@ -2,7 +2,6 @@
 /* scenes.c - scenes of the library's interface. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "fit/extinction_scale.h"
 #include "library/shared.h"
@@ -136,9 +135,7 @@ iso_status iso_scene_set(iso_scene *scene, const char *json, iso_error *err)
 iso_status iso_scene_set_tf(iso_scene *scene, const iso_tf *tf, iso_error *err)
 {
     iso_tf copy;
-    const iso_status status = iso_tf_copy(tf, &copy, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_tf_copy(tf, &copy, err));
     iso_tf_destroy(&scene->tf);
     scene->tf = copy;
     return ISO_OK;

@@ -2,7 +2,6 @@
 /* transfer.c - transfer functions of the library's interface. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "library/shared.h"
 #include "tf/adapt.h"
@@ -69,9 +68,7 @@ static iso_status check_points(const iso_tf_point *points, size_t count, double 
 iso_status iso_tf_from_points(const iso_tf_point *points, size_t count, double unit_mm, iso_tf **tf, iso_error *err)
 {
     *tf = NULL;
-    iso_status status = check_points(points, count, unit_mm, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check_points(points, count, unit_mm, err));
     const iso_tf borrowed = {.point_count = count,
                              .points = (iso_tf_point *)points,
                              .range = {points[0].value, points[count - 1].value},
@@ -140,10 +137,8 @@ iso_status iso_tf_from_text(const char *json, iso_tf **tf, iso_error *err)
     json_t *root = NULL;
     iso_tf made;
     *tf = NULL;
-    iso_status status = iso_json_of_text(json, "the transfer function", &root, err);
-    if (status != ISO_OK)
-        return status;
-    status = keep(iso_tf_from_json(root, "the transfer function", &made, err), &made, tf, err);
+    NEED(iso_json_of_text(json, "the transfer function", &root, err));
+    iso_status status = keep(iso_tf_from_json(root, "the transfer function", &made, err), &made, tf, err);
     json_decref(root);
     return status;
 }

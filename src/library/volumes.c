@@ -217,13 +217,11 @@ iso_status iso_volume_from_array(const iso_grid *grid, const char *type, const v
     const iso_geometry g = iso_geometry_of_grid(grid);
     struct array_type which;
     *volume = NULL;
-    iso_status status = array_type_from_name(type, &which, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(array_type_from_name(type, &which, err));
     *volume = calloc(1, sizeof **volume);
     if (!*volume)
         return no_memory(err);
-    status = iso_volume_create(*volume, &g, which.stored, "the volume from memory", err);
+    iso_status status = iso_volume_create(*volume, &g, which.stored, "the volume from memory", err);
     TRY(status, copy_samples(&which, samples, strides, *volume, err));
     if (status != ISO_OK)
         iso_volume_destroy(*volume);
@@ -235,9 +233,7 @@ iso_status iso_volume_from_memory(const iso_grid *grid, const char *type, const 
 {
     struct array_type which;
     *volume = NULL;
-    const iso_status status = array_type_from_name(type, &which, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(array_type_from_name(type, &which, err));
     const size_t row = which.bytes * grid->size[0];
     return iso_volume_from_array(grid, type, samples,
                                  (ptrdiff_t[3]){(ptrdiff_t)which.bytes, (ptrdiff_t)row,

@@ -2,7 +2,6 @@
 #define _GNU_SOURCE
 #include "options/cli.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -252,11 +251,9 @@ static void unbind(all_options *all)
 static iso_status bind(const iso_command *command, all_options *all, iso_error *err)
 {
     *all = (all_options){.table = NULL};
-    iso_status status = iso_options_bind(command->options, command->options_size, command->defaults, &all->own, err);
-    TRY(status, iso_options_bind(command->is_inner ? NULL : common_rows, sizeof(common_options), &common_defaults,
-                                 &all->common, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_options_bind(command->options, command->options_size, command->defaults, &all->own, err));
+    NEED(iso_options_bind(command->is_inner ? NULL : common_rows, sizeof(common_options), &common_defaults,
+                          &all->common, err));
     const size_t own = all->own.count, common = all->common.count;
     all->table = calloc(own + common + 1, sizeof *all->table);
     if (!all->table)
@@ -409,10 +406,8 @@ static iso_status parse(iso_cli *cli, all_options *all, bool *runs, iso_error *e
     const iso_command *command = cli->command;
     const common_options *common = all->common.values;
     const bool help_all = take_help_all(cli->argc, cli->argv);
-    iso_status status = check_numbers(&all->own, cli->argc, cli->argv, err);
-    TRY(status, check_numbers(&all->common, cli->argc, cli->argv, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(check_numbers(&all->own, cli->argc, cli->argv, err));
+    NEED(check_numbers(&all->common, cli->argc, cli->argv, err));
     cli->context = poptGetContext(program, cli->argc, cli->argv, all->table, 0);
     const int result = poptGetNextOpt(cli->context);
     if (result < -1)
@@ -424,11 +419,9 @@ static iso_status parse(iso_cli *cli, all_options *all, bool *runs, iso_error *e
     }
     cli->json = common->json, cli->threads = common->threads;
     cli->quiet = common->quiet || command->is_inner;
-    status = iso_options_take(&all->own, err);
-    TRY(status, iso_options_take(&all->common, err));
-    TRY(status, take_common(common, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_options_take(&all->own, err));
+    NEED(iso_options_take(&all->common, err));
+    NEED(take_common(common, err));
     if (!cli->quiet)
         cli->progress = iso_progress_line_create(command->name);
     cli->arguments = poptGetArgs(cli->context);
@@ -437,7 +430,7 @@ static iso_status parse(iso_cli *cli, all_options *all, bool *runs, iso_error *e
     if (cli->argument_count < command->min_arguments || cli->argument_count > command->max_arguments)
         return iso_fail(err, ISO_E_USAGE, "%zu arguments; usage: %s %s %s", cli->argument_count, program, command->name,
                         command->usage);
-    status = keep_given(cli, all, err);
+    iso_status status = keep_given(cli, all, err);
     /* tf checks its own outputs, whose names it makes. */
     return status == ISO_OK && strcmp(command->name, "tf") != 0
                ? iso_cli_refuse_overwriting(all->own.popt, cli->arguments, err)

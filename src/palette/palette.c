@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const struct {
     const char *name, *summary;
@@ -79,9 +78,7 @@ iso_status iso_palette_measure(const iso_direction_set *set, const iso_palette *
 {
     *error = (iso_palette_error){0};
     iso_palette_lookup *lookup;
-    iso_status status = iso_palette_lookup_create(palette, &lookup, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_palette_lookup_create(palette, &lookup, err));
     double total = 0, far2 = 0;
     for (size_t i = 0; i < set->count; ++i) {
         const float *u = set->xyz + 3 * i;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* palette_fit.c - the default, k-means: greedy k-means++, Lloyd, then the searches of palette_search.h; and the
  * lattice. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/linalg.h"
@@ -36,11 +35,9 @@ static iso_status coarsen(const iso_direction_set *set, size_t entries, iso_dire
 static iso_status fit_search(clusters *c, const iso_palette_options *opt, iso_random *random,
                              const iso_progress *progress, iso_error *err)
 {
-    iso_status status = iso_clusters_seed_greedy(c, random, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_clusters_seed_greedy(c, random, err));
     iso_clusters_lloyd(c, 20);
-    status = iso_clusters_improve(c, opt->swap_trials, random, progress, err);
+    iso_status status = iso_clusters_improve(c, opt->swap_trials, random, progress, err);
     /* The exchange considers neighbors only; this assigns each item to the nearest of all entries. */
     iso_clusters_lloyd(c, 2);
     return status;

@@ -3,7 +3,6 @@
 #include "palette/palette_picture.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "base/file.h"
@@ -128,15 +127,13 @@ iso_status iso_palette_picture_exr(const iso_palette *palette, const char *path,
 {
     const iso_image_note notes[] = {{"isoshadeCommand", note}, {NULL, NULL}};
     iso_image image;
-    iso_status status = iso_image_create(&image, palette->count, 1, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_image_create(&image, palette->count, 1, err));
     for (size_t i = 0; i < palette->count; ++i) {
         for (size_t c = 0; c < 3; ++c)
             image.rgba[4 * i + c] = palette->xyz[3 * i + c];
         image.rgba[4 * i + 3] = 1;
     }
-    status = iso_image_save_exr(&image, path, notes, err);
+    iso_status status = iso_image_save_exr(&image, path, notes, err);
     iso_image_destroy(&image);
     return status;
 }

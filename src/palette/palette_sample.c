@@ -86,9 +86,7 @@ static iso_status pool_planes(iso_direction_pool *pool, const iso_volume *v, siz
 {
     const iso_palette_weighting *w = b->weighting;
     const size_t nx = v->geometry.size[0], ny = v->geometry.size[1], rows = ny * (z1 - z0);
-    iso_status status = iso_gradient_slab(v, b->gradient, z0, z1, b->gradients, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gradient_slab(v, b->gradient, z0, z1, b->gradients, err));
     if (is_weighted(w)) {
         /* No difference of neighbors exceeds the range per step of the least spacing, along each axis. */
         double most = sqrt(3) * w->value_span / iso_geometry_min_spacing_mm(&v->geometry);

@@ -232,9 +232,7 @@ iso_status iso_direction_pool_finish(const iso_direction_pool *pool, iso_directi
     size_t count = 0, at = 0;
     for (size_t bin = 0; bin < POOL_BINS; ++bin)
         count += merged_bin(pool, bin).weight > 0;
-    iso_status status = set_allocate(set, count, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(set_allocate(set, count, err));
     for (size_t bin = 0; bin < POOL_BINS; ++bin) {
         pool_bin all = merged_bin(pool, bin);
         if (all.weight <= 0)

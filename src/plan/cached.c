@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/parallel.h"
 #include "brick/pack.h"
@@ -89,9 +88,7 @@ static iso_status draw_by_gl(cache *c, const iso_brick_field *field, iso_image *
     o.repeats = c->opt->repeats;
     o.repeat_seconds = c->opt->repeat_seconds;
     o.fast_filter = o.repeats > 1 || o.repeat_seconds > 0;
-    const iso_status status = iso_gl_render_bricks(c->gl, field, c->view, &o, image, &stats, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gl_render_bricks(c->gl, field, c->view, &o, image, &stats, err));
     r->cache_bytes = BYTES_A_TEXEL * (double)stats.texel_count;
     r->page_count = stats.page_count;
     r->brick_count = stats.shown_count;

@@ -2,7 +2,6 @@
 #include "plan/level_gate.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "compare/metrics.h"
 #include "compare/ssim.h"

@@ -427,9 +427,7 @@ iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scen
 {
     const double began = iso_clock_seconds();
     *out = (iso_optimized){0};
-    iso_status status = check(p, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check(p, err));
     training *t = calloc(1, sizeof *t);
     if (!t)
         return iso_fail(err, ISO_E_MEMORY, "optimize: out of memory");
@@ -438,7 +436,7 @@ iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scen
     t->view_count = efforts[opt->effort].views;
     t->level = level < 5 ? level : 5; /* a box is at most a patch */
     t->box = (size_t)1 << t->level;
-    status = begin(t, err);
+    iso_status status = begin(t, err);
     for (size_t i = 0; i < t->view_count; ++i)
         TRY(status, draw_truth(t, scene, i, err));
     TRY(status, list_patches(t, err));

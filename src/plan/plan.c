@@ -206,10 +206,7 @@ static iso_status estimate_brick(const estimator *e, uint8_t *levels, size_t ind
     for (int a = 0; a < 3; ++a)
         first[a] = (long)(brick[a] * side) - 1;
     const fine_box box = {side + 3, room};
-    const iso_status status = iso_node_levels_read(n, first, (const size_t[3]){side + 3, side + 3, side + 3}, room,
-                                                   NULL);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_node_levels_read(n, first, (const size_t[3]){side + 3, side + 3, side + 3}, room, NULL));
     for (size_t quarter = 0; quarter < QUARTERS && !shows; ++quarter)
         for (size_t z = 0; z <= side; ++z)
             for (size_t y = 0; y <= side; ++y)
@@ -334,14 +331,12 @@ static iso_status add_view(iso_plan *plan, const iso_node_levels *n, const iso_v
 {
     const iso_brick_field finest = {.nodes = n, .levels = plan->levels, .faces = ISO_FACES_OWN};
     iso_brick_cull(&finest, &view->tf, NULL, threads, shown);
-    iso_status status = find_footprints(plan, n, view, shown, threads, footprints, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(find_footprints(plan, n, view, shown, threads, footprints, err));
     double(*integral)[4] = integrate_tf(&view->tf);
     if (!integral)
         return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu entries of a transfer function", view->tf.count);
     const estimator e = {n, view, (const double(*)[4])integral, iso_geometry_mean_spacing_mm(&n->geometry)};
-    status = add_errors_of_view(plan, &e, footprints, shown, threads, err);
+    iso_status status = add_errors_of_view(plan, &e, footprints, shown, threads, err);
     free(integral);
     plan->pixel_count += (double)(view->width * view->height);
     return status;

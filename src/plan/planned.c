@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "plan/planned.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -57,10 +56,8 @@ iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *
     const char *levels, *use;
     double count[3] = {0};
     *plan = (iso_plan_file){0};
-    iso_status status = iso_inputs_note(path, err);
-    TRY(status, iso_json_load(path, &root, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_inputs_note(path, err));
+    NEED(iso_json_load(path, &root, err));
     iso_json_reader r = {.path = path, .err = err};
     static const char *const schemas[] = {"isoshade.plan/1", NULL};
     int schema;
@@ -72,7 +69,7 @@ iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *
     iso_json_get_string(&r, root, "use", true, &use);
     for (int a = 0; a < 3; ++a)
         plan->count[a] = (size_t)count[a];
-    status = r.status == ISO_OK ? read_bricks(path, levels, use, plan, err) : r.status;
+    iso_status status = r.status == ISO_OK ? read_bricks(path, levels, use, plan, err) : r.status;
     json_decref(root);
     if (status != ISO_OK)
         iso_plan_file_destroy(plan);
@@ -242,9 +239,7 @@ iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0
 {
     iso_planned_lattices merged;
     *crop = (iso_planned_crop){0};
-    const iso_status status = iso_planned_lattices_create(p, true, false, threads, &merged, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_planned_lattices_create(p, true, false, threads, &merged, err));
     const iso_lattice *l = &crop->lattice;
     crop->lattice = merged.items[0];
     bool sampled = false;

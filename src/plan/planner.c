@@ -123,13 +123,11 @@ static iso_status measure_blank(const iso_image *full, const iso_view *view, dou
 {
     iso_image blank;
     iso_metrics measured;
-    iso_status status = iso_image_create(&blank, full->width, full->height, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_image_create(&blank, full->width, full->height, err));
     for (size_t i = 0; i < full->width * full->height; ++i)
         for (size_t c = 0; c < 4; ++c)
             blank.rgba[4 * i + c] = c < 3 ? (float)view->background[c] : 0;
-    status = iso_metrics_measure_differences(&blank, full, &measured, err);
+    iso_status status = iso_metrics_measure_differences(&blank, full, &measured, err);
     *rmse = fmin(*rmse, measured.rmse);
     iso_image_destroy(&blank);
     return status;

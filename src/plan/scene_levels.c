@@ -137,10 +137,7 @@ static iso_status make_scalars(const iso_level_gate *gate, size_t level, float *
             complete = (scalars[i] = malloc(bytes)) && complete;
     if (!complete)
         return iso_fail(err, ISO_E_MEMORY, "no memory for level %zu", level);
-    const iso_status status = iso_level_scalars_make(&in, scalars[ISO_LEVEL_LEAST_SQUARES], scalars[ISO_LEVEL_FITTED],
-                                                     fit, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_level_scalars_make(&in, scalars[ISO_LEVEL_LEAST_SQUARES], scalars[ISO_LEVEL_FITTED], fit, err));
     memcpy(scalars[ISO_LEVEL_DAMPED], scalars[ISO_LEVEL_LEAST_SQUARES], bytes);
     iso_level_scalar_damp(&in, scalars[ISO_LEVEL_DAMPED]);
     const int same = built == ISO_SCALAR_LEAST_SQUARES ? ISO_LEVEL_LEAST_SQUARES

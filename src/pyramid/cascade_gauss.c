@@ -2,7 +2,6 @@
 /* cascade_gauss.c - filters wider than the own children, plane by plane: the
  * normalized convolution of [diaz-garcia-2017] Eq. 1, and the Gaussian of scalars,
  * separable and decimated as they go. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
  * rows of fine voxels. When a row of own voxels is complete, it is reduced along x and added to planes that are kept
  * next to the level's planes. */
 #include <float.h>
-#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

@@ -67,9 +67,7 @@ iso_status iso_level_pages_open(const char *dir, const iso_pyramid *outline, siz
 {
     level_file files[FILE_COUNT];
     *pages = NULL;
-    iso_status status = iso_pyramid_check_level(outline, dir, level, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_pyramid_check_level(outline, dir, level, err));
     const iso_level *l = &outline->levels[level];
     iso_level_pages *p = *pages = calloc(1, sizeof *p);
     if (!p)
@@ -77,7 +75,7 @@ iso_status iso_level_pages_open(const char *dir, const iso_pyramid *outline, siz
     p->scalar.fd = p->codes.fd = -1;
     memcpy(p->size, l->geometry.size, sizeof p->size);
     iso_layout_files(&outline->options, l->stored_type, files);
-    status = open_file(dir, l, level, &files[FILE_SCALAR], &p->scalar, err);
+    iso_status status = open_file(dir, l, level, &files[FILE_SCALAR], &p->scalar, err);
     if (status == ISO_OK && with_codes)
         status = open_file(dir, l, level, &files[FILE_CODES], &p->codes, err);
     if (status != ISO_OK) {

@@ -58,10 +58,8 @@ iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t d
     opt.directions = directions;
     opt.swap_trials = swap_trials;
     *palette = (iso_palette){0};
-    iso_status status = iso_level_directions(level, code, &vectors, &owned, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_direction_pool_create(&pool, threads, err);
+    NEED(iso_level_directions(level, code, &vectors, &owned, err));
+    iso_status status = iso_direction_pool_create(&pool, threads, err);
     if (status == ISO_OK) {
         iso_direction_pool_add(pool, vectors, NULL, iso_geometry_voxel_count(&level->geometry));
         status = iso_direction_pool_finish(pool, &set, err);

@@ -3,13 +3,11 @@
 #include "pyramid/pyramid.h"
 
 #include <float.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
-#include "base/parallel.h"
 #include "pyramid/agreement.h"
 #include "pyramid/cascade.h"
 #include "pyramid/filter_kernel.h"

@@ -3,7 +3,6 @@
 #define _GNU_SOURCE
 #include <errno.h>
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +10,6 @@
 #include "base/json.h"
 #include "pyramid/pyramid_layout.h"
 #include "volume/segments.h"
-
 
 static void floats_to_type(const float *in, iso_type type, size_t count, void *out)
 {
@@ -110,10 +108,8 @@ static iso_status save_into(const iso_pyramid *p, const char *dir, iso_error *er
 iso_status iso_pyramid_save(const iso_pyramid *p, const char *dir, iso_error *err)
 {
     iso_output out;
-    iso_status status = iso_output_begin_dir(&out, dir, ISO_PYRAMID_MARKER, err);
-    if (status != ISO_OK)
-        return status;
-    status = save_into(p, out.temp_path, err);
+    NEED(iso_output_begin_dir(&out, dir, ISO_PYRAMID_MARKER, err));
+    iso_status status = save_into(p, out.temp_path, err);
     if (status == ISO_OK)
         return iso_output_commit(&out, err);
     iso_output_abandon(&out);
@@ -318,11 +314,9 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu levels", r->path, count);
     mark_levels(out);
     for (size_t k = 0; k < count; ++k) {
-        iso_status status = load_level(r, dir, k < first ? LOAD_NO_FILE : what, json_array_get(levels, k),
-                                       &out->options, &out->levels[k]);
-        TRY(status, load_choice(r, json_array_get(levels, k), k, &out->options));
-        if (status != ISO_OK)
-            return status;
+        NEED(load_level(r, dir, k < first ? LOAD_NO_FILE : what, json_array_get(levels, k), &out->options,
+                        &out->levels[k]));
+        NEED(load_choice(r, json_array_get(levels, k), k, &out->options));
         if (k == 0)
             continue;
         iso_geometry wanted = iso_geometry_coarser(&out->levels[k - 1].geometry);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "pyramid/pyramid_verify.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -137,9 +137,7 @@ static iso_status open_file(stream_output *o, const char *path, const char *head
     if (join)
         return iso_bigfile_join(path, o->direct, &l->file[i], err);
     l->files[i].bytes = l->first ? strlen(header) + l->first * iso_stream_file_plane_bytes(l, i) : 0;
-    iso_status status = iso_bigfile_open(path, o->direct, l->files[i].bytes, &l->file[i], err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_bigfile_open(path, o->direct, l->files[i].bytes, &l->file[i], err));
     return l->first ? hash_file(path, l->hash[i], l->files[i].bytes, err)
                     : write_and_hash(l, i, header, strlen(header), err);
 }

@@ -199,15 +199,11 @@ static iso_status do_slab(pyramid_build *s, size_t i, json_t *job, size_t done, 
 {
     const stream_slab b = iso_stream_slab_at(s, i);
     const stream_planes *planes;
-    iso_status status = iso_stream_wait_for_planes(s, &planes, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_stream_wait_for_planes(s, &planes, err));
     iso_stream_request_slab(s, i + 1);
-    status = iso_stream_feed_slab(s, &b, planes, err);
-    TRY(status, iso_stream_wait_for_writers(s, err));
-    TRY(status, note_if_due(s, job, b.z0, done, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_stream_feed_slab(s, &b, planes, err));
+    NEED(iso_stream_wait_for_writers(s, err));
+    NEED(note_if_due(s, job, b.z0, done, err));
     iso_stream_list_slab(s, &b, planes);
     iso_stream_output_start(&s->out);
     return ISO_OK;

@@ -31,9 +31,7 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
 {
     (void)self;
     iso_gl *gl;
-    const iso_status status = iso_renderers_need_gl(r, &gl, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_renderers_need_gl(r, &gl, err));
     const iso_gl_info info = iso_gl_describe(gl);
     const int written = snprintf(text, size, "%s, OpenGL %s", info.renderer, info.version);
     /* Precision of the linear filter, if it is less than a float's 24 bits. */

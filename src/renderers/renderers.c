@@ -188,9 +188,7 @@ static iso_status check(const iso_render_request *q, iso_error *err)
     char names[256];
     const iso_renderer_info *r = q->options->renderer;
     const feature *lacking = find_lacking(r, traits_of(q->pyramid, q->view, q->options->isosurface));
-    const iso_status status = iso_pyramid_check_level(q->pyramid, NULL, q->level, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_pyramid_check_level(q->pyramid, NULL, q->level, err));
     if (lacking)
         return iso_fail(err, ISO_E_USAGE, "%s are rendered by %s, not by %s", lacking->name,
                         iso_renderers_with(lacking->trait, ", ", " and ", names, sizeof names), r->name);
@@ -242,11 +240,9 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
 {
     struct iso_picture_store *store = frame->renderers->store;
     *image = (iso_image){0};
-    iso_status status = check(frame, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check(frame, err));
     const uint64_t claim = iso_picture_store_claim(store, frame, frame->options);
-    status = find_or_draw(frame, image, seconds, err);
+    iso_status status = find_or_draw(frame, image, seconds, err);
     iso_picture_store_release(store, claim);
     return status;
 }
@@ -309,71 +305,6 @@ static iso_status render_stored(const iso_render_request *q, size_t count, iso_i
     return status;
 }
 
-/* ---- cached images ---- */
-
-void iso_frame_cache_clear(iso_frame_cache *cache)
-{
-    for (size_t i = 0; i < cache->count; ++i)
-        iso_image_destroy(&cache->images[i]);
-    free(cache->frames);
-    free(cache->images);
-    *cache = (iso_frame_cache){0};
-}
-
-static bool is_same_frame(const iso_render_options *a, const iso_render_options *b)
-{
-    bool same = true;
-#define ISO_FRAME_FIELD(type, name) same = same && a->name == b->name;
-    ISO_FRAME_FIELDS(ISO_FRAME_FIELD)
-#undef ISO_FRAME_FIELD
-    return same;
-}
-
-static const iso_image *find_frame(const iso_frame_cache *cache, const iso_render_options *frame)
-{
-    for (size_t i = 0; i < cache->count; ++i)
-        if (is_same_frame(&cache->frames[i], frame))
-            return &cache->images[i];
-    return NULL;
-}
-
-/* Reserves memory for `more` images. */
-static iso_status grow_cache(iso_frame_cache *cache, size_t more, iso_error *err)
-{
-    iso_render_options *frames = realloc(cache->frames, (cache->count + more) * sizeof *frames);
-    cache->frames = frames ? frames : cache->frames;
-    iso_image *images = realloc(cache->images, (cache->count + more) * sizeof *images);
-    cache->images = images ? images : cache->images;
-    return frames && images ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", more);
-}
-
-/* Renders the images that the cache lacks, and copies all. */
-static iso_status render_cached(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
-{
-    const iso_render_options *frames = q->options;
-    iso_frame_cache *cache = q->renderers->cache;
-    size_t lacking = 0;
-    iso_status status = grow_cache(cache, count, err);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        if (!find_frame(cache, &frames[i]))
-            cache->frames[cache->count + lacking++] = frames[i];
-    if (status == ISO_OK && lacking > 0) {
-        iso_render_request rest = *q;
-        rest.options = cache->frames + cache->count;
-        status = render_several(&rest, lacking, cache->images + cache->count, err);
-    }
-    cache->count += status == ISO_OK ? lacking : 0;
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
-        const iso_image *there = find_frame(cache, &frames[i]);
-        status = iso_image_create(&images[i], there->width, there->height, err);
-        if (status == ISO_OK)
-            memcpy(images[i].rgba, there->rgba, 4 * there->width * there->height * sizeof(float));
-    }
-    for (size_t i = 0; i < count && status != ISO_OK; ++i)
-        iso_image_destroy(&images[i]);
-    return status;
-}
-
 iso_status iso_render_check_finite(const iso_renderer_info *r, const iso_image *image, iso_error *err)
 {
     return iso_image_is_finite(image)
@@ -384,8 +315,9 @@ iso_status iso_render_check_finite(const iso_renderer_info *r, const iso_image *
 iso_status iso_render_several(const iso_render_request *frames, size_t count, iso_image *images, iso_error *err)
 {
     memset(images, 0, count * sizeof *images);
-    return frames->renderers->cache ? render_cached(frames, count, images, err)
-           : frames->renderers->store && frames->options->renderer->render_several && !getenv(ISO_RENDERERS_APART)
+    if (frames->renderers->several)
+        return frames->renderers->several(frames, count, images, err);
+    return frames->renderers->store && frames->options->renderer->render_several && !getenv(ISO_RENDERERS_APART)
                ? render_stored(frames, count, images, err)
                : render_several(frames, count, images, err);
 }

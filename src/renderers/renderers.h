@@ -262,14 +262,6 @@ typedef struct iso_image_hook {
     const void *user;
 } iso_image_hook;
 
-/* Images of one scene by their options, for work that requests the same ones again. Zeroed: empty. */
-typedef struct iso_frame_cache {
-    size_t count;
-    iso_render_options *frames;
-    iso_image *images;
-} iso_frame_cache;
-void iso_frame_cache_clear(iso_frame_cache *cache);
-
 /* State of all renderers; ready if zeroed. */
 struct iso_renderers {
     void *kept[ISO_MAX_RENDERERS];   /* a renderer's state between images; by iso_renderer_index() */
@@ -277,7 +269,9 @@ struct iso_renderers {
     const char *scene;               /* name of the rendered scene, for renderers that look for its pictures; or NULL */
     iso_image_hook after;            /* called for each rendered image */
     struct iso_picture_store *store; /* pictures of an interrupted job (picture_store.h); borrowed, or NULL */
-    iso_frame_cache *cache; /* of iso_render_several(), while pyramid, level, view and hook stay; borrowed, or NULL */
+    /* Draws for iso_render_several(), for work that requests the same images again; or NULL. */
+    iso_status (*several)(const iso_render_request *frames, size_t count, iso_image *images, iso_error *err);
+    void *several_user; /* borrowed */
 };
 void iso_renderers_end(iso_renderers *r);
 static inline void **iso_renderers_kept(iso_renderers *r, const iso_renderer_info *of)

@@ -271,12 +271,10 @@ void iso_difference_conclude(json_t *difference)
 iso_status iso_difference_write(const char *dir, const json_t *difference, const json_t *inlined, iso_error *err)
 {
     iso_output out = {0};
-    iso_status status = iso_output_begin_dir(&out, dir, "difference.json", err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_output_begin_dir(&out, dir, "difference.json", err));
     char *data = iso_path_join(out.temp_path, "difference.json"), *page = iso_path_join(out.temp_path, "index.html");
-    status = data && page ? iso_json_save(data, difference, err)
-                          : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
+    iso_status status = data && page ? iso_json_save(data, difference, err)
+                                     : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
     TRY(status, iso_page_write(page, &iso_page_of_difference, difference, inlined, err));
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);

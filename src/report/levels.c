@@ -2,7 +2,6 @@
 #include "report/levels.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "base/words.h"

@@ -14,6 +14,7 @@
 #include "base/markup.h"
 #include "report/rows.h"
 
+ISO_EMBED(iso_page_html, "src/report/page.html");
 ISO_EMBED(iso_report_html, "src/report/report.html");
 ISO_EMBED(iso_difference_html, "src/report/difference.html");
 ISO_EMBED(iso_report_css, "src/report/report.css");
@@ -29,15 +30,18 @@ ISO_EMBED(iso_certificate_css, "src/report/certificate.css");
 ISO_EMBED(iso_certificate_page_js, "src/report/certificate_page.js");
 
 /* The scripts of a page form one script, and depend on the ones before. */
-const iso_page iso_page_of_report = {iso_report_html,
+const iso_page iso_page_of_report = {"isoshade validation",
+                                     iso_report_html,
                                      {iso_report_js, iso_report_difference_js, iso_report_tables_js,
                                       iso_report_inspector_js, iso_report_levels_js, iso_report_page_js},
                                      NULL};
-const iso_page iso_page_of_difference = {iso_difference_html,
+const iso_page iso_page_of_difference = {"isoshade report diff",
+                                         iso_difference_html,
                                          {iso_report_js, iso_report_difference_js, iso_report_inspector_js,
                                           iso_difference_page_js},
                                          NULL};
-const iso_page iso_page_of_certificates = {iso_certificate_html,
+const iso_page iso_page_of_certificates = {"isoshade",
+                                           iso_certificate_html,
                                            {iso_report_js, iso_report_difference_js, iso_report_tables_js,
                                             iso_report_inspector_js, iso_certificate_page_js},
                                            iso_certificate_css};
@@ -63,9 +67,7 @@ iso_status iso_page_file_uri(const char *path, const char *type, char **uri, iso
 {
     char *bytes;
     size_t size;
-    iso_status status = iso_file_read(path, &bytes, &size, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_file_read(path, &bytes, &size, err));
     *uri = data_uri(type, (unsigned char *)bytes, size);
     free(bytes);
     return *uri ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
@@ -113,6 +115,8 @@ iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, iso_p
 
 /* ---- the page ---- */
 
+static void put_marked(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined, const char *html);
+
 static void put_mark(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined, const char *mark)
 {
     if (strcmp(mark, "STYLE") == 0) {
@@ -129,12 +133,16 @@ static void put_mark(FILE *f, const iso_page *page, const json_t *data, const js
         iso_markup_put(f, iso_row_text(data, "sentence"));
     else if (strcmp(mark, "TITLE") == 0)
         iso_markup_put(f, iso_row_text(data, "title"));
+    else if (strcmp(mark, "KIND") == 0)
+        fputs(page->kind, f);
+    else if (strcmp(mark, "BODY") == 0)
+        put_marked(f, page, data, inlined, strchr(page->html, '\n') + 1);
 }
 
-/* Fills in the marks @NAME@ of the template, which has no other @. */
-static void put_page(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined)
+/* Fills in the marks @NAME@ of a template, which has no other @. */
+static void put_marked(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined, const char *html)
 {
-    const char *at = page->html;
+    const char *at = html;
     for (const char *mark; (mark = strchr(at, '@'));) {
         char name[16];
         const int length = (int)strcspn(mark + 1, "@");
@@ -154,7 +162,7 @@ iso_status iso_page_write(const char *path, const iso_page *page, const json_t *
     FILE *f = open_memstream(&html, &size);
     iso_status status = f ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
     if (f) {
-        put_page(f, page, data, inlined);
+        put_marked(f, page, data, inlined, iso_page_html);
         if (fclose(f) != 0)
             status = iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
     }

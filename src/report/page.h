@@ -8,7 +8,8 @@
 
 enum { ISO_PAGE_MOST_SCRIPTS = 8 };
 typedef struct iso_page {
-    const char *html; /* template with the marks @STYLE@, @SCRIPT@, @DATA@, @INLINED@, @TITLE@, @SENTENCE@ */
+    const char *kind; /* end of the window's title */
+    const char *html; /* after a first line of comment: the body, with the marks @TITLE@ and @SENTENCE@ */
     const char *scripts[ISO_PAGE_MOST_SCRIPTS + 1]; /* one after the other; ends with NULL */
     const char *style;                              /* after the report's; or NULL */
 } iso_page;

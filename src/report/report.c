@@ -6,7 +6,6 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -304,10 +303,8 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
 
 iso_status iso_report_add_consistency(iso_report *r, const iso_report_consistency *row, iso_error *err)
 {
-    iso_status status = check_image_name(r, row->image, err);
-    TRY(status, check_image_name(r, row->reference_image, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(check_image_name(r, row->image, err));
+    NEED(check_image_name(r, row->reference_image, err));
     json_t *o = json_pack("{s:I, s:o, s:s, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "level",
                           (json_int_t)row->level, "method", text(row->method), "tf",
                           row->scaled    ? "scaled"
@@ -399,9 +396,7 @@ iso_status iso_report_finish(iso_report *r, iso_error *err)
 {
     if (r->finished)
         return iso_fail(err, ISO_E_RANGE, "report: already finished");
-    iso_status status = sort_rows(r, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(sort_rows(r, err));
     iso_report_summary summary = iso_report_summarize(r);
     const iso_levels_summary levels = iso_levels_summarize(r->root);
     json_object_set_new(r->root, "verdict",
@@ -411,7 +406,8 @@ iso_status iso_report_finish(iso_report *r, iso_error *err)
     if (!json_object_get(json_object_get(r->root, "seconds"), "total"))
         iso_report_put(r, "seconds", "total", json_real(iso_clock_seconds() - r->start_seconds));
     iso_error missing = {""};
-    status = iso_report_files_charts(r->out.temp_path, r->root, json_object_get(r->inlined, "charts"), &missing);
+    iso_status status = iso_report_files_charts(r->out.temp_path, r->root, json_object_get(r->inlined, "charts"),
+                                                &missing);
     if (status == ISO_E_MISSING)
         json_object_set_new(r->root, "charts_missing", json_string(missing.text));
     else if (status != ISO_OK)

@@ -79,9 +79,7 @@ iso_status iso_report_check(const json_t *report, const char *path, iso_error *e
                             : "not a report.json of isoshade validate");
     json_object_foreach ((json_t *)report, key, rows)
         json_array_foreach (rows, i, row) {
-            const iso_status status = check_row(path, key, i, row, err);
-            if (status != ISO_OK)
-                return status;
+            NEED(check_row(path, key, i, row, err));
         }
     const json_t *verdict = json_object_get(report, "verdict");
     if (verdict && !((ISO_IS(AGREE) | ISO_IS(DIFFER)) >> iso_verdict_from(verdict) & 1))

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* summary.c - the summary of a report: numbers of requested and compared rows, and the sentence. */
-#include <stdio.h>
-#include <string.h>
 
 #include "base/words.h"
 #include "report/report.h"

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/field.h"
 
-#include <string.h>
-
 static const struct {
     const char *name, *summary;
 } sources[] = {

@@ -323,11 +323,9 @@ iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
 {
     json_t *root = NULL;
     *scene = (iso_scene){0};
-    iso_status status = iso_inputs_note(path, err);
-    TRY(status, iso_json_load(path, &root, err));
-    if (status != ISO_OK)
-        return status;
-    status = iso_scene_from_json(root, path, scene, err);
+    NEED(iso_inputs_note(path, err));
+    NEED(iso_json_load(path, &root, err));
+    iso_status status = iso_scene_from_json(root, path, scene, err);
     json_decref(root);
     return status;
 }

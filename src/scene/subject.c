@@ -24,15 +24,13 @@ static iso_status build(iso_volume_source *source, const char *path, const iso_v
                         iso_error *err)
 {
     iso_volume v;
-    iso_status status = iso_volume_input_load_source(source, path, input, &v, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_volume_input_load_source(source, path, input, &v, err));
     if (begin_only && !v.notes.label_count && iso_type_bytes(v.type) <= sizeof(float))
         return iso_pyramid_begin(&v, path, opt, p, err);
     iso_pyramid_options own = *opt;
     if (v.notes.label_count)
         own.scalar_filter = ISO_SCALAR_MAJORITY;
-    status = iso_pyramid_build(&v, path, &own, p, progress, err);
+    iso_status status = iso_pyramid_build(&v, path, &own, p, progress, err);
     iso_volume_destroy(&v);
     return status;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/subject_frames.h"
 
-#include <math.h>
 #include <stdio.h>
 
 #include "volume/frames_all.h"
@@ -72,16 +71,14 @@ iso_status iso_subject_frames_create(const char *path, const iso_volume_input *i
         return iso_fail(err, ISO_E_USAGE, "%s: is a pyramid, which has one frame; remove --frames all", path);
     if (input->frame)
         return iso_fail(err, ISO_E_USAGE, "--frames all excludes --frame; remove one");
-    iso_status status = iso_frames_measure(path, input, &facts, err);
-    TRY(status, iso_frames_labels(path, input, &labels, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_frames_measure(path, input, &facts, err));
+    NEED(iso_frames_labels(path, input, &labels, err));
     f->count = facts.count;
     f->widest = facts.widest;
     f->are_labels = labels > 0;
     f->build.value_range[0] = facts.range[0];
     f->build.value_range[1] = facts.range[1];
-    status = check_grids(f, err);
+    iso_status status = check_grids(f, err);
     TRY(status, load(f, f->widest, &p, err));
     if (status == ISO_OK)
         f->geometry = p.levels[0].geometry;

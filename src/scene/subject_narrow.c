@@ -57,11 +57,9 @@ iso_status iso_subject_load_narrow(const char *path, const iso_volume_input *inp
         const iso_status status = iso_pyramid_load(path, p, err);
         return status == ISO_OK ? see(look, p, sight, err) : status;
     }
-    iso_status status = iso_volume_input_load(path, input, v, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_volume_input_load(path, input, v, err));
     if (v->notes.label_count || iso_type_bytes(v->type) > sizeof(float))
         return load_whole(v, path, opt, look, progress, p, sight, err);
-    status = see_volume(look, v, path, opt, sight, err);
+    iso_status status = see_volume(look, v, path, opt, sight, err);
     return status == ISO_OK ? iso_pyramid_build_narrow(v, path, opt, p, progress, err) : status;
 }

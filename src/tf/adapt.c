@@ -116,9 +116,7 @@ static iso_status check_options(const iso_adapt_options *opt, iso_error *err)
 iso_status iso_adapter_create(const iso_joint *j, const iso_adapt_options *opt, iso_adapter **adapter, iso_error *err)
 {
     *adapter = NULL;
-    iso_status status = check_options(opt, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check_options(opt, err));
     iso_adapter *a = calloc(1, sizeof *a);
     if (a) {
         *a = (iso_adapter){.average = opt->average, .z = j->z, .s = j->s, .row_count_of = iso_joint_row_count(j)};

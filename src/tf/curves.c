@@ -39,9 +39,7 @@ static iso_status check_node(const iso_tf_node *node, int components, const char
 
 iso_status iso_tf_curve_add(iso_tf_curve *curve, iso_tf_node node, int components, const char *path, iso_error *err)
 {
-    iso_status status = check_node(&node, components, path, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check_node(&node, components, path, err));
     if (curve->count == MOST_NODES)
         return iso_fail(err, ISO_E_RANGE, "%s: has more than %d points", path, (int)MOST_NODES);
     if (curve->count == curve->capacity) {

@@ -116,10 +116,8 @@ iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_t
     iso_tf_file file = {.path = path, .request = request};
     const iso_tf_format *other;
     *tf = (iso_tf){0};
-    iso_status status = iso_inputs_note(path, err);
-    TRY(status, iso_file_read(path, &text, &file.size, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_inputs_note(path, err));
+    NEED(iso_file_read(path, &text, &file.size, err));
     if (file.size > MOST_BYTES) {
         free(text);
         return iso_fail(err, ISO_E_FORMAT, "%s: has %zu bytes, a transfer function has at most %zu", path, file.size,
@@ -127,9 +125,9 @@ iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_t
     }
     file.text = text;
     const iso_tf_format *format = find_format(&file, &other);
-    status = format ? format->load(&file, tf, err)
-                    : iso_fail(err, ISO_E_FORMAT, "%s: its content is %s; give it a name that ends with %s", path,
-                               other->summary, other->also ? other->also : other->suffix);
+    iso_status status = format ? format->load(&file, tf, err)
+                               : iso_fail(err, ISO_E_FORMAT, "%s: its content is %s; give it a name that ends with %s",
+                                          path, other->summary, other->also ? other->also : other->suffix);
     free(text);
     if (status == ISO_OK && (status = set_range(request, tf, path, err)) != ISO_OK)
         iso_tf_destroy(tf);

@@ -122,9 +122,7 @@ static iso_status read_row(csv *c, size_t number, const char *line, const char *
                             (int)(length < 40 ? length : 40), field);
     }
     if (c->columns == 0) {
-        iso_status status = guess_roles(c, count, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(guess_roles(c, count, err));
     }
     if (count != c->columns)
         return iso_fail(err, ISO_E_FORMAT, "%s:%zu: has %zu columns, the first line has %zu", c->file->path, number,

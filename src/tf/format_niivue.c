@@ -88,9 +88,7 @@ static iso_status save_niivue(const iso_tf_output *output, const char *path, iso
     const iso_tf_table *table = output->table;
     const double unit_mm = output->unit_mm;
     iso_tf_curves c = {0};
-    iso_status status = iso_tf_reduce(table, unit_mm, 256, 0.5 / 255, &c, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_tf_reduce(table, unit_mm, 256, 0.5 / 255, &c, err));
     json_t *lists[5];
     for (int k = 0; k < 5; ++k)
         lists[k] = json_array();
@@ -103,7 +101,7 @@ static iso_status save_niivue(const iso_tf_output *output, const char *path, iso
     }
     json_t *root = json_pack("{s:f, s:f, s:o, s:o, s:o, s:o, s:o}", "min", table->lo, "max", table->hi, "R", lists[0],
                              "G", lists[1], "B", lists[2], "A", lists[3], "I", lists[4]);
-    status = iso_json_save(path, root, err);
+    iso_status status = iso_json_save(path, root, err);
     json_decref(root);
     iso_tf_curves_destroy(&c);
     return status;

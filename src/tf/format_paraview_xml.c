@@ -92,10 +92,8 @@ static iso_status load_color_map(const iso_tf_file *file, iso_tf *tf, iso_error 
     xmlDocPtr doc;
     iso_tf_curves curves = {0};
     const xmlNode *map;
-    iso_status status = iso_xml_parse(file, &doc, err);
-    if (status != ISO_OK)
-        return status;
-    status = choose_map(file, xmlDocGetRootElement(doc), &map, err);
+    NEED(iso_xml_parse(file, &doc, err));
+    iso_status status = choose_map(file, xmlDocGetRootElement(doc), &map, err);
     TRY(status, read_map(file, map, &curves, err));
     xmlFreeDoc(doc);
     if (status == ISO_OK)

@@ -2,7 +2,6 @@
 /* format_slicer.c - 3D Slicer's volume properties, NAME.vp.json (volume-property-schema-v1.0.0.json). */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "tf/slicer.h"
 

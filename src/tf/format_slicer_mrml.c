@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* format_slicer_mrml.c - volume properties in MRML files of 3D Slicer: its presets.xml, and scenes. */
-#include <stdlib.h>
 
 #include "tf/slicer.h"
 #include "tf/xml.h"
@@ -54,10 +53,8 @@ static iso_status load_mrml(const iso_tf_file *file, iso_tf *tf, iso_error *err)
     xmlDocPtr doc;
     iso_tf_curves curves = {0};
     const xmlNode *property;
-    iso_status status = iso_xml_parse(file, &doc, err);
-    if (status != ISO_OK)
-        return status;
-    status = choose_property(file, xmlDocGetRootElement(doc), &property, err);
+    NEED(iso_xml_parse(file, &doc, err));
+    iso_status status = choose_property(file, xmlDocGetRootElement(doc), &property, err);
     TRY(status, read_property(file, property, &curves, err));
     xmlFreeDoc(doc);
     if (status == ISO_OK)

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* format_voreen.c - transfer functions of Voreen: keys over a domain, with byte colors, or two of them for a step. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "tf/xml.h"
@@ -87,16 +86,15 @@ static iso_status load_voreen(const iso_tf_file *file, iso_tf *tf, iso_error *er
 {
     xmlDocPtr doc;
     iso_tf_curves curves = {.unit_is = "in Voreen a 200th of the volume's longest side"};
-    iso_status status = iso_xml_parse(file, &doc, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_xml_parse(file, &doc, err));
     const xmlNode *root = xmlDocGetRootElement(doc);
     const xmlNode *found = iso_xml_next(root, root, "TransFuncIntensity");
     if (!found)
         found = iso_xml_next(root, root, "TransFunc1DKeys"); /* name in later versions */
-    status = found ? read_tf(file, found, &curves, err)
-                   : iso_fail(err, ISO_E_FORMAT, "%s: has no <TransFuncIntensity>, the 1D transfer function of Voreen",
-                              file->path);
+    iso_status status = found ? read_tf(file, found, &curves, err)
+                              : iso_fail(err, ISO_E_FORMAT,
+                                         "%s: has no <TransFuncIntensity>, the 1D transfer function of Voreen",
+                                         file->path);
     xmlFreeDoc(doc);
     if (status == ISO_OK)
         return iso_tf_take_curves(file, &curves, tf, err);

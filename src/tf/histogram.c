@@ -2,9 +2,7 @@
 #define _GNU_SOURCE
 #include "tf/histogram.h"
 
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/file.h"
 #include "base/parallel.h"
@@ -159,9 +157,7 @@ static iso_status check_shape(const iso_joint_shape *shape, iso_error *err)
 iso_status iso_joint_begin(const iso_joint_shape *shape, int threads, iso_joint_builder **builder, iso_error *err)
 {
     *builder = NULL;
-    iso_status status = check_shape(shape, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check_shape(shape, err));
     iso_joint_builder *b = calloc(1, sizeof *b);
     if (!b)
         return iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
@@ -388,9 +384,7 @@ static iso_status rows_from_table(const iso_joint_builder *b, iso_joint *joint, 
     size_t pairs = pair_count(b), entries = 0;
     for (size_t i = 0; i < pairs; ++i)
         entries += table[i] > 0;
-    iso_status status = make_rows(joint, b, entries, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(make_rows(joint, b, entries, err));
     for (size_t i = 0, at = 0; i < pairs; ++i)
         if (table[i] > 0)
             put_entry(joint, at++, i, table[i]);

@@ -205,9 +205,7 @@ iso_status iso_tf_measure_loss(const iso_tf_curves *c, iso_tf *tf, iso_error *er
     const iso_geometry unit = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
     iso_tf_table t = {0};
     iso_tf_loss *loss = &tf->loss;
-    iso_status status = iso_tf_tabulate(tf, 0, 1, &unit, &t, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_tf_tabulate(tf, 0, 1, &unit, &t, err));
     enum { BETWEEN = 4 };
     *loss = (iso_tf_loss){.measured = true};
     for (size_t i = 0; i < t.count; ++i) {

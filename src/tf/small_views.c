@@ -2,7 +2,6 @@
 #include "tf/small_views.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "base/parallel.h"
 #include "compare/ssim.h"

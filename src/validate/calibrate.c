@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/process.h"
@@ -44,9 +43,7 @@ static void expected_centroid(const iso_calibration_stage *s, double at[2])
 static iso_status prepare_placement(iso_calibration_stage *s, iso_error *err)
 {
     iso_geometry g = iso_calibration_turned_grid(15, 12, 18);
-    iso_status status = iso_calibration_stage_set(s, &g, blob, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_calibration_stage_set(s, &g, blob, err));
     s->view.camera = iso_calibration_look(iso_v3(1, 2, -0.7), 8, true);
     for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i)
         iso_calibration_set_entry(&s->view, i, 1, 1, 1, 0.2f * (float)i / (ISO_CALIBRATION_TF_ENTRIES - 1));
@@ -78,9 +75,7 @@ static double half(const iso_geometry *g, iso_vec3 index)
 static iso_status prepare_slab(iso_calibration_stage *s, iso_error *err)
 {
     iso_geometry g = iso_calibration_turned_grid(9, 7, 12);
-    iso_status status = iso_calibration_stage_set(s, &g, half, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_calibration_stage_set(s, &g, half, err));
     s->view.camera = iso_calibration_look(iso_v3(1, 2, -0.7), 0.14, false);
     for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i)
         iso_calibration_set_entry(&s->view, i, 0.9f, 0.5f, 0.2f, 0.15f);
@@ -102,9 +97,7 @@ static iso_status prepare_transfer_function(iso_calibration_stage *s, iso_error 
     const size_t size[3] = {17, 5, 6};
     const double spacing[3] = {1, 1, 1};
     iso_geometry g = iso_geometry_axis_aligned(size, spacing);
-    iso_status status = iso_calibration_stage_set(s, &g, ramp_along_x, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_calibration_stage_set(s, &g, ramp_along_x, err));
     s->view.camera = iso_calibration_look(iso_v3(0, 1, 0), 8.5, true);
     for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i)
         iso_calibration_set_entry(&s->view, i, (float)(i % 5) / 4, (float)(i % 3) / 2, (float)((i * 7) % 11) / 10,
@@ -164,9 +157,7 @@ static iso_status prepare_order(iso_calibration_stage *s, iso_error *err)
 {
     const double first[3] = {1, 0.25, 0.125}, last[3] = {0.125, 0.5, 1}, sigma = 0.25;
     iso_geometry g = iso_calibration_turned_grid(9, 7, 12);
-    iso_status status = iso_calibration_stage_set(s, &g, ramp_along_x, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_calibration_stage_set(s, &g, ramp_along_x, err));
     s->view.camera = iso_calibration_look(iso_v3(1, 1.6, -0.7), 0.14, false); /* no ray is parallel to a face */
     for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i) {
         float color[3];
@@ -208,9 +199,7 @@ static iso_status prepare_linear_field(iso_calibration_stage *s, const iso_camer
                                        iso_error *err)
 {
     iso_geometry g = iso_calibration_turned_grid(9, 7, 12);
-    iso_status status = iso_calibration_stage_set(s, &g, tilted_ramp, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_calibration_stage_set(s, &g, tilted_ramp, err));
     s->view.camera = *camera;
     s->view.shading = *shading;
     for (size_t i = 0; i < ISO_CALIBRATION_TF_ENTRIES; ++i)
@@ -256,9 +245,7 @@ static iso_status prepare_interpolation(iso_calibration_stage *s, iso_error *err
     const double spacing[3] = {1, 1, 1};
     const float direction[2][3] = {{1, 0, 0}, {0, 0.3f, 0.4f}};
     iso_geometry g = iso_geometry_axis_aligned(size, spacing);
-    iso_status status = iso_calibration_stage_set(s, &g, half, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_calibration_stage_set(s, &g, half, err));
     s->view.camera = iso_calibration_look(iso_v3(0, 1, 0), 4.5, true);
     s->view.lights[0].direction = iso_normalize(iso_v3(1, 0.3, 0.8));
     s->view.shading = (iso_shading){.ambient = 0.1, .diffuse = 0.8, .specular = 0.3, .power = 2};

@@ -45,15 +45,13 @@ iso_status iso_calibration_stage_set(iso_calibration_stage *s, const iso_geometr
                                           .step_voxels = 0.25,
                                           .shading = {.ambient = 1, .power = 1}}};
     s->view.lights[0] = (iso_light){.direction = iso_normalize(iso_v3(-0.9, 0.3, 0.5)), .intensity = 1};
-    iso_status status = iso_volume_create(&v, g, ISO_F32, "calibration", err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_volume_create(&v, g, ISO_F32, "calibration", err));
     float *out = v.data;
     for (size_t z = 0; z < g->size[2]; ++z)
         for (size_t y = 0; y < g->size[1]; ++y)
             for (size_t x = 0; x < g->size[0]; ++x)
                 *out++ = (float)value(g, iso_v3((double)x + 0.5, (double)y + 0.5, (double)z + 0.5));
-    status = iso_pyramid_build(&v, "calibration", &opt, &s->pyramid, NULL, err);
+    iso_status status = iso_pyramid_build(&v, "calibration", &opt, &s->pyramid, NULL, err);
     iso_volume_destroy(&v);
     s->view.tf = (iso_tf_table){.count = ISO_CALIBRATION_TF_ENTRIES, .lo = 0, .hi = 1};
     s->view.tf.entries = calloc(ISO_CALIBRATION_TF_ENTRIES * 4, sizeof(float));

@@ -144,11 +144,9 @@ iso_status iso_closed_form_render(const iso_level *level, iso_code code, const i
     linear_field f = {0};
     double color[3];
     *image = (iso_image){0};
-    iso_status status = fit_linear(level, &f, err);
-    TRY(status, single_color(&view->tf, color, err));
-    TRY(status, iso_image_create(image, view->width, view->height, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(fit_linear(level, &f, err));
+    NEED(single_color(&view->tf, color, err));
+    NEED(iso_image_create(image, view->width, view->height, err));
     iso_vec3 n = coded_normal(level, &f, code);
     for (size_t i = 0; i < view->width * view->height; ++i) {
         iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height, i % view->width, i / view->width);

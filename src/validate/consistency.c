@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "renderers/picture_store.h"
 #include "validate/measured.h"
@@ -66,10 +65,8 @@ static iso_status add_picture(const iso_validation *v, const char *name, const i
                               iso_error *err)
 {
     iso_view view;
-    iso_status status = iso_report_add_image(v->report, name, image, caption, NULL, err);
-    TRY(status, iso_validate_level_view(v, 0, &view, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_report_add_image(v->report, name, image, caption, NULL, err));
+    NEED(iso_validate_level_view(v, 0, &view, err));
     iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(&view, &v->pyramid->levels[0].geometry));
     iso_view_destroy(&view);
     return ISO_OK;

@@ -3,7 +3,6 @@
  * (report/levels.h). */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "validate/measured.h"

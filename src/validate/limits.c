@@ -2,8 +2,6 @@
 #include "validate/limits.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/parallel.h"
 
@@ -96,12 +94,10 @@ iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_i
 {
     iso_render_request q = *what;
     step_pair pair;
-    iso_status status = check_seeds(opt, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check_seeds(opt, err));
     first_pair(&pair, &q.pyramid->levels[q.level], which, opt);
     q.options = pair.frames;
-    status = iso_render_several(&q, 2 * pair.seeds, pair.images, err);
+    iso_status status = iso_render_several(&q, 2 * pair.seeds, pair.images, err);
     TRY(status, iso_extrapolate_image(pair.images, pair.seeds, image, err));
     destroy_pair(&pair);
     return status;

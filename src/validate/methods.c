@@ -85,11 +85,10 @@ static iso_status compare_tf_2d(iso_validation *v, const iso_pyramid *p, const i
     iso_adapt_options opt = iso_adapt_defaults();
     iso_tf_2d tf_2d, *own = view->tf_2d;
     opt.threads = v->threads;
-    iso_status status = iso_adapt_tf_2d(p, level, second, &v->view->tf, &opt, &tf_2d, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_adapt_tf_2d(p, level, second, &v->view->tf, &opt, &tf_2d, err));
     view->tf_2d = &tf_2d;
-    status = compare(v, p, m, level, view, second == ISO_SECOND_VALUE_GRADIENT ? &gradient_tf : &deviation_tf, err);
+    iso_status status = compare(v, p, m, level, view,
+                                second == ISO_SECOND_VALUE_GRADIENT ? &gradient_tf : &deviation_tf, err);
     view->tf_2d = own;
     iso_tf_2d_destroy(&tf_2d);
     return status;
@@ -104,10 +103,9 @@ static iso_status compare_scaled(iso_validation *v, const iso_pyramid *p, const 
     iso_view view = *small; /* borrowed, except for the parts made here */
     opt.threads = v->threads;
     opt.fall_back = false;
-    iso_status status = iso_adapt_level(p, level, &v->view->tf, &opt, &view.tf, NULL, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_extinction_scale_level(p, level, &v->view->tf, &view.tf, v->threads, &view.extinction_scale, err);
+    NEED(iso_adapt_level(p, level, &v->view->tf, &opt, &view.tf, NULL, err));
+    iso_status status = iso_extinction_scale_level(p, level, &v->view->tf, &view.tf, v->threads, &view.extinction_scale,
+                                                   err);
     TRY(status, compare(v, p, m, level, &view, &scaled_tf, err));
     free(view.extinction_scale);
     iso_tf_table_destroy(&view.tf);

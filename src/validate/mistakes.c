@@ -273,11 +273,9 @@ static iso_status begin_stage(stages *all, int check, iso_error *err)
 {
     iso_calibration_stage *stage = &all->stage[check];
     scene *s = &all->scene[check];
-    iso_status status = iso_calibration_prepare(check, stage, err);
-    TRY(status, iso_sampler_create(&s->sampler, &stage->pyramid.levels[0], stage->pyramid.options.code,
-                                   ISO_FROM_DECODED, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_calibration_prepare(check, stage, err));
+    NEED(
+        iso_sampler_create(&s->sampler, &stage->pyramid.levels[0], stage->pyramid.options.code, ISO_FROM_DECODED, err));
     const size_t count = iso_geometry_voxel_count(&stage->pyramid.levels[0].geometry);
     s->view = &stage->view;
     s->grid = &stage->pyramid.levels[0].geometry;

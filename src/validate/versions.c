@@ -50,13 +50,10 @@ iso_status iso_validate_versions(iso_validation *v, size_t level, const iso_vers
                                 .error_bar = hypot(a->bar, b->bar),
                                 .why = why};
     row.tolerances = (iso_tolerances){.rmse = row.error_bar + ISO_EXTRAPOLATION_ROUNDING};
-    iso_status status = iso_metrics_measure(&a->image, &b->image, &row.metrics, err);
-    TRY(status, iso_signal_of(&a->image, v->view->background, hypot(iso_extrapolated_held_to(a),
-                                                                    iso_extrapolated_held_to(b)), ISO_SIGNAL_RMS,
-                              &row.signal, err));
-    TRY(status, iso_extrapolated_compare(a, b, &change, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_metrics_measure(&a->image, &b->image, &row.metrics, err));
+    NEED(iso_signal_of(&a->image, v->view->background, hypot(iso_extrapolated_held_to(a), iso_extrapolated_held_to(b)),
+                       ISO_SIGNAL_RMS, &row.signal, err));
+    NEED(iso_extrapolated_compare(a, b, &change, err));
     if (change.largest > 0 && !iso_signal_suffices(&row.signal)) { /* equal images leave no doubt */
         iso_signal_explain(&row.signal, faint, sizeof faint);
         row.uncompared = ISO_UNCOMPARED_FAINT;
@@ -72,7 +69,7 @@ iso_status iso_validate_versions(iso_validation *v, size_t level, const iso_vers
     char *command = iso_validate_reproduce(v, level, other->renderer, other->options, first->image_name, &row.tolerances);
     row.command = command;
     row.seconds = iso_clock_seconds() - start;
-    status = iso_report_add_agreement(v->report, &row, err);
+    iso_status status = iso_report_add_agreement(v->report, &row, err);
     json_decref(row.statistics);
     free(command);
     return status;

@@ -88,9 +88,7 @@ iso_status iso_contents_add_array(iso_contents *contents, const char *name, cons
 {
     struct iso_contents_array *slot = &contents->arrays[contents->count];
     snprintf(slot->name, sizeof slot->name, "%s", name);
-    iso_status status = iso_pack(array, &slot->packed, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_pack(array, &slot->packed, err));
     const size_t bytes = array->count * array->components * array->width;
     json_object_update_new(json, json_pack("{s:s, s:I, s:I, s:I, s:b, s:I}", "array", name, "count",
                                            (json_int_t)array->count, "components", (json_int_t)array->components,
@@ -195,9 +193,7 @@ static iso_status add_joint(const iso_viewer *v, size_t k, iso_contents *content
     char name[48];
     if (k == 0 || v->pyramid->levels[0].labels || !v->pyramid->levels[0].scalar)
         return ISO_OK;
-    iso_status status = iso_joint_obtain(v->pyramid, v->folder, &key, v->threads, &joint, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_joint_obtain(v->pyramid, v->folder, &key, v->threads, &joint, err));
     const size_t rows = joint.s.count, entries = joint.entry_count;
     uint32_t *words = malloc((rows + 2 * entries + 1) * sizeof *words);
     for (size_t i = 0; words && i < rows; ++i)
@@ -210,8 +206,10 @@ static iso_status add_joint(const iso_viewer *v, size_t k, iso_contents *content
                                (json_int_t)entries);
     json_object_set_new(json, "joint", object);
     snprintf(name, sizeof name, "level-%zu-joint", k);
-    status = words ? iso_contents_add_array(contents, name, &(iso_pack_array){rows + 2 * entries, 1, 4, word, words}, object, err)
-                   : iso_fail(err, ISO_E_MEMORY, "no memory for a joint histogram of %zu entries", entries);
+    iso_status status = words ? iso_contents_add_array(contents, name,
+                                                       &(iso_pack_array){rows + 2 * entries, 1, 4, word, words}, object,
+                                                       err)
+                              : iso_fail(err, ISO_E_MEMORY, "no memory for a joint histogram of %zu entries", entries);
     free(words);
     iso_joint_destroy(&joint);
     return status;

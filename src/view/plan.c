@@ -27,9 +27,7 @@ static iso_status put_brick(const iso_viewer *v, const iso_brick_field *f, size_
     const size_t brick[3] = {i % n->count[0], i / n->count[0] % n->count[1], i / n->count[0] / n->count[1]},
                  side = iso_brick_side(n, f->levels[i]), count = side * side * side;
     const double step = n->max > n->min ? (n->max - n->min) / 65535 : 1;
-    const iso_status status = iso_brick_bake(f, brick, s->nodes, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_brick_bake(f, brick, s->nodes, err));
     for (size_t k = 0; k < count; ++k)
         for (size_t a = 0; a < 3; ++a)
             s->directions[3 * k + a] = s->nodes[ISO_NODE_CHANNELS * k + 1 + a];

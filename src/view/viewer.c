@@ -198,10 +198,8 @@ iso_status iso_viewer_save(const iso_viewer *v, const char *path, const iso_prog
 {
     iso_contents contents;
     iso_output out = {0};
-    iso_status status = iso_contents_make(v, progress, &contents, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_output_begin(&out, path, err);
+    NEED(iso_contents_make(v, progress, &contents, err));
+    iso_status status = iso_output_begin(&out, path, err);
     FILE *f = status == ISO_OK ? fopen(out.temp_path, "wb") : NULL;
     if (status == ISO_OK && !f)
         status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));

@@ -2,9 +2,7 @@
 /* afni_open.c - AFNI datasets: a .HEAD of attributes as text, and a .BRIK next to it, or a .BRIK.gz. Sub-bricks are
  * frames. The file's world is that of DICOM, left, posterior, superior. */
 #define _GNU_SOURCE
-#include <ctype.h>
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

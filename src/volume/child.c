@@ -189,14 +189,12 @@ static iso_status start_reader(iso_volume_source *source, const iso_child_progra
 static iso_status read_header(iso_volume_source *source, const iso_child_program *p, const char *part,
                               iso_child_header *h, iso_error *err)
 {
-    iso_status status = start_reader(source, p, part, err);
-    TRY(status, get(source, h, sizeof *h, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(start_reader(source, p, part, err));
+    NEED(get(source, h, sizeof *h, err));
     iso_child_end_texts(h);
     if (strcmp(h->version, ISO_VERSION) != 0)
         return iso_fail(err, ISO_E_MISSING, "%s is of version %s, isoshade of " ISO_VERSION, p->name, h->version);
-    status = iso_child_check_answer(&h->answer, source->path, p->library, err);
+    iso_status status = iso_child_check_answer(&h->answer, source->path, p->library, err);
     return status == ISO_OK ? iso_child_check_header(h, source->path, p->library, err) : status;
 }
 

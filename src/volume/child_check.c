@@ -2,7 +2,6 @@
 #include "volume/child_check.h"
 
 #include <math.h>
-#include <string.h>
 
 #define END_TEXT(text) ((text)[sizeof(text) - 1] = 0)
 

@@ -4,7 +4,6 @@
  * samples. */
 #define _GNU_SOURCE
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,9 +78,7 @@ static iso_status take_geometry(const cube *c, iso_volume_source *source, iso_er
     for (int a = 0; a < 3; ++a)
         size[a] = (size_t)labs(c->count[a]);
     const char *unit = c->count[0] < 0 ? "angstrom" : "bohr";
-    const iso_status status = iso_source_unit(source, unit, unit, &mm, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_unit(source, unit, unit, &mm, err));
     *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
     for (int a = 0; a < 3; ++a)
         for (int r = 0; r < 3; ++r)

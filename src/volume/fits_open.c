@@ -192,9 +192,7 @@ static iso_status take_geometry(const fits *h, const size_t *used, iso_volume_so
         char what[120];
         snprintf(what, sizeof what, "of its voxels in a unit of length (its axes have: %s, %s, %s)",
                  h->axis[used[0]].unit, h->axis[used[1]].unit, h->axis[used[2]].unit);
-        const iso_status status = iso_source_need_spacing(source, what, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_source_need_spacing(source, what, err));
     }
     return iso_reader_place(source, size, step, first, "mm", err);
 }

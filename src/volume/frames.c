@@ -161,10 +161,8 @@ iso_status iso_source_choose(iso_volume_source *source, const iso_extra_axes *gi
     iso_source_choice choice = {.inside_count = 1, .volume_count = 1};
     axes.frame.count += axes.frame.count == 0;
     axes.channel.count += axes.channel.count == 0;
-    iso_status status = iso_frames_choose(source->path, &source->hints, &axes, &choice.frame, err);
-    TRY(status, choose_channel(source->path, &source->hints, &axes, &choice, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_frames_choose(source->path, &source->hints, &axes, &choice.frame, err));
+    NEED(choose_channel(source->path, &source->hints, &axes, &choice, err));
     place(&axes.frame, choice.frame, &choice);
     place(&axes.channel, choice.channel, &choice);
     source->choice = choice;

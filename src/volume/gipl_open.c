@@ -65,9 +65,7 @@ static iso_status take_geometry(const unsigned char *head, iso_volume_source *so
     iso_geometry *g = &source->header.geometry;
     size_t size[3];
     double mm, spacing[3];
-    iso_status status = iso_source_unit(source, "mm", "mm", &mm, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_unit(source, "mm", "mm", &mm, err));
     if (big_endian(head + SIZE + 6, 2) > 1)
         return iso_fail(err, ISO_E_FORMAT, "%s: %zu time steps, must be one volume", source->path,
                         (size_t)big_endian(head + SIZE + 6, 2));
@@ -76,9 +74,7 @@ static iso_status take_geometry(const unsigned char *head, iso_volume_source *so
         spacing[a] = real32(head + SPACING + 4 * a);
     }
     *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
-    status = iso_source_take_spacing(source, spacing, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_take_spacing(source, spacing, err));
     const double sign[3] = {-mm, -mm, mm};
     double first[3];
     for (int a = 0; a < 3; ++a) {

@@ -101,15 +101,13 @@ static iso_status open_stored(const char *path, const iso_volume_input *in, iso_
     iso_raw_layout layout;
     iso_volume_hints hints;
     double unit_mm;
-    iso_status status = parse_hints(in, &hints, &unit_mm, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(parse_hints(in, &hints, &unit_mm, err));
     if (!is_raw(in))
         return iso_source_open_with(path, &hints, source, err);
     if (in->series)
         return iso_fail(err, ISO_E_USAGE, "%s: a raw file is one volume, --series %s names none of several", path,
                         in->series);
-    status = parse_layout(in, &hints, unit_mm, &layout, err);
+    iso_status status = parse_layout(in, &hints, unit_mm, &layout, err);
     return status == ISO_OK ? iso_source_open_raw(path, &layout, source, err) : status;
 }
 
@@ -157,11 +155,9 @@ iso_status iso_volume_input_look(const char *path, const iso_volume_input *in, s
     bool look = false;
     *count = 0;
     *facts = (iso_label_facts){0};
-    iso_status status = iso_volume_input_open(path, in, &source, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_volume_input_open(path, in, &source, err));
     const bool said = in->labels || iso_source_volume(source)->notes.says_labels;
-    status = check_labels(path, in, iso_source_volume(source), &look, err);
+    iso_status status = check_labels(path, in, iso_source_volume(source), &look, err);
     if (status == ISO_OK && look)
         status = iso_labels_look(source, said, facts, err);
     iso_source_close(source);

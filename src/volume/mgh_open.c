@@ -4,7 +4,6 @@
  *
  * The world is right, anterior, superior. The header has directions, and the place of the voxel (nx/2, ny/2, nz/2). */
 #define _GNU_SOURCE
-#include <math.h>
 
 #include "volume/reader.h"
 

@@ -4,7 +4,6 @@
  *
  * "layout" has the order of the axes in the file, 0 the fastest, and a minus for each that runs backward. */
 #define _GNU_SOURCE
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,6 @@
 #define _GNU_SOURCE
 #include <errno.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "volume/stream_kernel.h"
@@ -116,16 +115,12 @@ static iso_status take_geometry(const mrc *m, iso_volume_source *source, iso_err
     const size_t size[3] = {(size_t)m->word[0], (size_t)m->word[1], (size_t)m->word[2]};
     double mm, edge[3][3];
     int seen = 0;
-    iso_status status = iso_source_unit(source, "angstrom", "angstrom", &mm, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_unit(source, "angstrom", "angstrom", &mm, err));
     *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
     double cell[3];
     for (int a = 0; a < 3; ++a) /* 0: absent */
         cell[a] = real(m, CELL + a) != 0 && m->word[CELL_SAMPLES + a] > 0 ? real(m, CELL + a) : (double)NAN;
-    status = iso_source_take_spacing(source, cell, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_take_spacing(source, cell, err));
     if (!(real(m, CELL) > 0 && m->word[CELL_SAMPLES] > 0))
         return ISO_OK; /* around its center */
     cell_edges(m, cell, edge);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* no_data.c - voxels without data: NaN, the file's fill values, or the caller's range of values. They become
  * ISO_NO_DATA while samples are read, so that all formats have them in the same way. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -151,15 +151,13 @@ static iso_status open_array(iso_volume_source *source, npy *n, iso_error *err)
 {
     iso_geometry *g = &source->header.geometry;
     double mm;
-    iso_status status = iso_npy_read_header(source->path, &n->header, err);
-    TRY(status, take_type(n, source, err));
-    TRY(status, take_axes(n, source->path, err));
-    TRY(status, iso_source_unit(source, "mm", "mm", &mm, err));
-    TRY(status, iso_source_need_spacing(source, "of its voxels", err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_npy_read_header(source->path, &n->header, err));
+    NEED(take_type(n, source, err));
+    NEED(take_axes(n, source->path, err));
+    NEED(iso_source_unit(source, "mm", "mm", &mm, err));
+    NEED(iso_source_need_spacing(source, "of its voxels", err));
     *g = iso_geometry_axis_aligned(n->axes, (double[]){1, 1, 1});
-    status = iso_source_check_geometry(source, err);
+    iso_status status = iso_source_check_geometry(source, err);
     const iso_extra_axes extra = {.frame = {.count = n->axis_count > 3 ? n->axes[3] : 1, .stride = 1},
                                   .channel = {.count = 1, .stride = 1}};
     TRY(status, iso_source_choose(source, &extra, err));
@@ -197,11 +195,9 @@ static bool starts_like_npz(const unsigned char *head, size_t size)
 static iso_status open_npz(iso_volume_source *source, iso_error *err)
 {
     char *const own = source->path;
-    iso_status status = iso_unpack_member(own, source->part, ".npy", &source->unpacked, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_unpack_member(own, source->part, ".npy", &source->unpacked, err));
     source->path = source->unpacked.path;
-    status = open_npy(source, err);
+    iso_status status = open_npy(source, err);
     source->path = own;
     if (status != ISO_OK)
         iso_output_rename_in(source->unpacked.path, own, err);

@@ -145,9 +145,7 @@ static iso_status oriented_geometry(const Nrrd *nrrd, const nrrd_axes *axes, iso
     double scale[3], mm;
     header->notes.world_is_ras = ras_signs(nrrd->space, scale);
     for (int a = 0; a < 3; ++a) {
-        const iso_status status = iso_source_unit(source, nrrd->spaceUnits[a], "mm", &mm, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_source_unit(source, nrrd->spaceUnits[a], "mm", &mm, err));
         scale[a] *= mm;
     }
     for (int a = 0; a < 3; ++a) {
@@ -179,16 +177,12 @@ static iso_status plain_geometry(const Nrrd *nrrd, const nrrd_axes *axes, iso_vo
     bool placed = true;
     for (int a = 0; a < 3; ++a) {
         const NrrdAxisInfo *axis = &nrrd->axis[axes->space[a]];
-        const iso_status status = iso_source_unit(source, axis->units, "mm", &mm, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_source_unit(source, axis->units, "mm", &mm, err));
         spacing[a] = spacing_of(axis) * mm;
         placed = placed && !isnan(axis->min);
         corner[a] = axis->min * mm;
     }
-    const iso_status status = iso_source_take_spacing(source, spacing, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_take_spacing(source, spacing, err));
     for (int a = 0; a < 3; ++a)
         corner[a] -= nrrd->axis[axes->space[a]].center == nrrdCenterNode ? 0.5 * spacing[a] : 0;
     *g = iso_geometry_axis_aligned(g->size, spacing);
@@ -228,9 +222,7 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
 {
     iso_volume *header = &source->header;
     nrrd_axes axes;
-    iso_status status = sort_axes(nrrd, source->path, &axes, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(sort_axes(nrrd, source->path, &axes, err));
     if (nrrd->type == nrrdTypeLLong || nrrd->type == nrrdTypeULLong)
         iso_source_set_form(source, nrrd->type == nrrdTypeLLong ? ISO_FORM_I64 : ISO_FORM_U64);
     else if (!our_type(nrrd->type, &header->type))
@@ -240,8 +232,8 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
         header->geometry.size[a] = nrrd->axis[axes.space[a]].size;
         header->geometry.box_index[a] = (double)nrrd->axis[axes.space[a]].size;
     }
-    status = nrrd->spaceDim > 0 ? oriented_geometry(nrrd, &axes, source, err)
-                                : plain_geometry(nrrd, &axes, source, err);
+    iso_status status = nrrd->spaceDim > 0 ? oriented_geometry(nrrd, &axes, source, err)
+                                           : plain_geometry(nrrd, &axes, source, err);
     read_scale(nrrd, &header->notes);
     take_value_unit(nrrd->sampleUnits, &header->notes);
     json_t *segments = iso_nrrd_segments(nrrd, axes.extra.frame.count > 1);
@@ -267,10 +259,7 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
         io->dataFile = NULL;
         return iso_source_check_bytes(source, (double)(st.st_size - at), err);
     }
-    const iso_status status = iso_source_check_packed(source, source->path, (double)(st.st_size - at),
-                                                      ISO_SOURCE_DEFLATE_MOST, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_check_packed(source, source->path, (double)(st.st_size - at), ISO_SOURCE_DEFLATE_MOST, err));
     int fd = dup(fileno(io->dataFile));
     fclose(io->dataFile); /* before the seek: both have one offset, which closing may set (POSIX; glibc of late) */
     io->dataFile = NULL;
@@ -338,9 +327,7 @@ static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io,
 static iso_status open_nrrd(iso_volume_source *source, iso_error *err)
 {
     double listed_bytes;
-    const iso_status looked = iso_nrrd_look_at_files(source->path, &listed_bytes, err);
-    if (looked != ISO_OK)
-        return looked;
+    NEED(iso_nrrd_look_at_files(source->path, &listed_bytes, err));
     Nrrd *nrrd = nrrdNew();
     NrrdIoState *io = nrrdIoStateNew();
     if (!nrrd || !io) {

@@ -6,7 +6,6 @@
  *
  * Segments that overlap are in layers, which are the first axis of a 4D file. Files of before Slicer 4.11 have neither
  * values nor layers: a layer of zeros and ones a segment. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <teem/nrrd.h>

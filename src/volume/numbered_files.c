@@ -2,7 +2,6 @@
 /* numbered_files.c - frames in files of their own, whose names have a number or are listed. */
 #define _GNU_SOURCE
 #include <dirent.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

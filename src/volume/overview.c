@@ -91,9 +91,7 @@ static iso_status make_slab(slab_reading *s, const iso_volume *header, size_t pl
 static iso_status keep_all(slab_reading *s, iso_volume_source *source, iso_error *err)
 {
     iso_progress_report(s->progress, "read", 0);
-    iso_status status = iso_volume_input_load_source(source, s->path, s->input, &s->slab, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_volume_input_load_source(source, s->path, s->input, &s->slab, err));
     s->is_kept = true;
     s->out->header = s->slab;
     s->out->header.data = NULL;
@@ -105,14 +103,12 @@ static iso_status open_volume(slab_reading *s, iso_error *err)
 {
     const size_t kept = s->opt->kept_bytes ? s->opt->kept_bytes : USUAL_KEPT_BYTES;
     iso_volume_source *source = NULL;
-    iso_status status = iso_volume_input_open(s->path, s->input, &source, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_volume_input_open(s->path, s->input, &source, err));
     const iso_volume *header = iso_source_volume(source);
     const size_t *n = header->geometry.size, plane_bytes = n[0] * n[1] * iso_type_bytes(header->type);
     if (plane_bytes * n[2] <= kept)
         return keep_all(s, source, err);
-    status = make_slab(s, header, plane_bytes, err);
+    iso_status status = make_slab(s, header, plane_bytes, err);
     iso_source_close(source);
     return status;
 }

@@ -123,10 +123,8 @@ static iso_status begin(pvti *p, iso_volume_source *whole, const iso_volume_sour
     g->origin_mm = iso_add(v->geometry.origin_mm, back);
     whole->header.type = v->type;
     whole->header.notes = v->notes;
-    iso_status status = iso_source_check_geometry(whole, err);
-    TRY(status, iso_source_check_packed(whole, whole->path, packed, ISO_SOURCE_DEFLATE_MOST, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_check_geometry(whole, err));
+    NEED(iso_source_check_packed(whole, whole->path, packed, ISO_SOURCE_DEFLATE_MOST, err));
     whole->preloaded = malloc(iso_source_bytes(whole));
     p->is_filled = calloc(iso_geometry_voxel_count(g), 1);
     return whole->preloaded && p->is_filled ? ISO_OK

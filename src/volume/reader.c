@@ -33,9 +33,7 @@ iso_status iso_reader_place(iso_volume_source *source, const size_t size[3], dou
 {
     iso_geometry *g = &source->header.geometry;
     double mm;
-    const iso_status status = iso_source_unit(source, unit, unit, &mm, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_unit(source, unit, unit, &mm, err));
     *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
     for (int a = 0; a < 3; ++a)
         for (int r = 0; r < 3; ++r)

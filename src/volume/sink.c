@@ -3,7 +3,6 @@
  * here, which teem, wanting all samples in memory, would not allow; tests read
  * it back through teem. */
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,15 +56,13 @@ static iso_status write_failed(const iso_volume_sink *s, iso_error *err)
 iso_status iso_sink_open(const char *path, const iso_volume *like, bool gzip, iso_volume_sink **sink, iso_error *err)
 {
     *sink = NULL;
-    iso_status status = iso_geometry_check(&like->geometry, path, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_geometry_check(&like->geometry, path, err));
     iso_volume_sink *s = calloc(1, sizeof *s);
     if (!s)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     s->like = *like;
     s->like.data = NULL;
-    status = iso_output_begin(&s->output, path, err);
+    iso_status status = iso_output_begin(&s->output, path, err);
     if (status == ISO_OK) {
         errno = 0;
         s->file = fopen(s->output.temp_path, "wb");

@@ -114,9 +114,7 @@ static iso_status open_at(iso_volume_source *source, const char *path, size_t of
 iso_status iso_source_take_part(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
 {
     struct stat st;
-    const iso_status status = open_at(source, path, offset, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(open_at(source, path, offset, err));
     if (fstat(fileno(source->file), &st) != 0)
         return iso_fail(err, ISO_E_IO, "%s: the samples cannot be read", path);
     const double there = (double)st.st_size - (double)offset;
@@ -411,12 +409,10 @@ static iso_status open_plain(iso_volume_source *s, const file_head *head, iso_er
 static iso_status open_packed(iso_volume_source *s, iso_error *err)
 {
     file_head head;
-    iso_status status = iso_unpack(s->path, &s->unpacked, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_unpack(s->path, &s->unpacked, err));
     char *const own = s->path;
     s->path = s->unpacked.path;
-    status = read_head(s->path, &head, err);
+    iso_status status = read_head(s->path, &head, err);
     TRY(status, open_plain(s, &head, err));
     s->path = own;
     if (status != ISO_OK)
@@ -434,9 +430,7 @@ static iso_status open_by_content(iso_volume_source *s, iso_error *err)
         return found ? status : refuse_folder(s->path, err);
     }
     file_head head;
-    const iso_status status = read_head(s->path, &head, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(read_head(s->path, &head, err));
     const iso_volume_format *f = find_format(&head);
     const bool is_packed = head.is_gzip ? !(f && f->unpacks) : !f && iso_looks_packed(head.bytes, head.size);
     if (!is_packed)

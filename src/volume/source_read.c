@@ -222,10 +222,8 @@ iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, 
 {
     const size_t *n = s->header.geometry.size;
     const bool is_plain = iso_source_is_plain(s);
-    iso_status status = check_count(s, plane_count, err);
-    TRY(status, is_plain ? read_stored(s, plane_count, out, err) : read_converted(s, plane_count, out, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(check_count(s, plane_count, err));
+    NEED(is_plain ? read_stored(s, plane_count, out, err) : read_converted(s, plane_count, out, err));
     if (is_plain) {
         iso_source_look_at(s, out, n[0] * n[1] * plane_count);
         iso_source_mark_no_data(s, out, n[0] * n[1] * plane_count, out);

@@ -2,7 +2,6 @@
 /* text_samples.c - samples that are written as decimals, all at once. */
 #define _GNU_SOURCE
 #include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

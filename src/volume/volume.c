@@ -71,9 +71,7 @@ iso_status iso_file_type_from_name(const char *name, iso_type *type, iso_form *f
 iso_status iso_volume_create(iso_volume *v, const iso_geometry *g, iso_type type, const char *name, iso_error *err)
 {
     *v = (iso_volume){0};
-    iso_status status = iso_geometry_check(g, name, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_geometry_check(g, name, err));
     size_t count = iso_geometry_voxel_count(g);
     void *data = iso_large_samples(count * iso_type_bytes(type));
     if (!data)
@@ -289,10 +287,8 @@ iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, i
 iso_status iso_volume_save(const iso_volume *v, const char *path, bool gzip, iso_error *err)
 {
     iso_volume_sink *sink;
-    iso_status status = iso_sink_open(path, v, gzip, &sink, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_sink_write(sink, v->geometry.size[2], v->data, err);
+    NEED(iso_sink_open(path, v, gzip, &sink, err));
+    iso_status status = iso_sink_write(sink, v->geometry.size[2], v->data, err);
     if (status == ISO_OK)
         return iso_sink_commit(sink, err);
     iso_sink_abandon(sink);

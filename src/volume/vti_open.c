@@ -178,10 +178,8 @@ static iso_status parse(vti *v, const char *path, bool is_piece, iso_error *err)
     array = coordinates && array > coordinates ? NULL : array;
     if (!file || !image || !tag || !array)
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no grid with an array in it", path);
-    iso_status status = take_extent(image, tag, is_piece, path, v, err);
-    TRY(status, take_packer(file, path, v, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(take_extent(image, tag, is_piece, path, v, err));
+    NEED(take_packer(file, path, v, err));
     for (int a = 0; a < 9; ++a)
         v->direction[a] = a % 4 == 0;
     for (int a = 0; a < 3; ++a)

@@ -3,7 +3,6 @@
  * vectors span from the first sample to the last, which periodic grids have on both sides. */
 #define _GNU_SOURCE
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -51,9 +50,7 @@ static iso_status take_geometry(iso_volume_source *source, const size_t size[3],
 {
     iso_geometry *g = &source->header.geometry;
     double mm;
-    const iso_status status = iso_source_unit(source, "angstrom", "angstrom", &mm, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_unit(source, "angstrom", "angstrom", &mm, err));
     *g = iso_geometry_axis_aligned(size, (double[]){1, 1, 1});
     for (int a = 0; a < 3; ++a)
         for (int r = 0; r < 3; ++r)

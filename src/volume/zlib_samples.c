@@ -49,9 +49,7 @@ static iso_status read_zlib(iso_volume_source *s, size_t plane_count, void *out,
     size_t done;
     unsigned char extra;
     const bool well = inflate_some(r, out, bytes, &done);
-    const iso_status status = iso_source_check_read(r->file, s->path, ISO_OK, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_check_read(r->file, s->path, ISO_OK, err));
     if (!well)
         return iso_fail(err, ISO_E_FORMAT, "%s: compressed samples are damaged: %s", s->path,
                         r->z.msg ? r->z.msg : "not zlib's");
@@ -89,10 +87,8 @@ iso_status iso_source_take_zlib(iso_volume_source *source, const char *path, siz
     source->reader = r;
     source->read_planes = read_zlib;
     source->close_reader = close_zlib;
-    iso_status status = iso_source_check_regular(path, err);
-    TRY(status, iso_inputs_note(path, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_check_regular(path, err));
+    NEED(iso_inputs_note(path, err));
     r->file = fopen(path, "rb");
     struct stat st;
     if (!r->file || fseeko(r->file, (off_t)offset, SEEK_SET) != 0 || fstat(fileno(r->file), &st) != 0)

@@ -23,7 +23,6 @@
 #include <errno.h>
 #include <execinfo.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <link.h>
 #include <linux/audit.h>
 #include <linux/filter.h>

@@ -2,7 +2,6 @@
 /* tables.c - transfer functions, palettes, pictures, and words of command lines. */
 #define _GNU_SOURCE
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* volumes.c - volumes: header, samples, geometry, labels. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

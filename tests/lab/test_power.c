@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* test_power.c - what is planted is what its name says, and the gates of validation answer for random scenes. */
+#include "lab/frame_cache.h"
 #include "lab/power.h"
 #include "tests/test.h"
 #include "tests/cycles.h"
@@ -149,11 +150,11 @@ TEST(a_deviation_may_be_planted_on_the_other_side)
             for (int g = 0; g < ISO_POWER_GATE_COUNT; ++g) {
                 bool there;
                 const bool here = is_rejected(&c, (iso_power_gate)g, &planted);
-                renderers.cache = &cache;
+                iso_frame_cache_use(&renderers, &cache);
                 assert_ok(iso_power_run_deviation_gate(&renderers, &c, (iso_power_gate)g, &iso_renderer_gl,
                                                        &(iso_planted){.deviation = asked[d], .amount = planted.amount},
                                                        &there, &err));
-                renderers.cache = NULL;
+                iso_frame_cache_use(&renderers, NULL);
                 assert_int_equal(here, there);
                 answers[here] += 1;
             }

@@ -2,7 +2,6 @@
 /* paper_code.c - pictures of direction codes: Figures 6, 8 and 11 of [diaz-garcia-2017], and the same dots for each
  * code. Everything is vector graphics, so that dots stay sharp at any size. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "lab/figure/paper_own.h"
 #include "lab/figure/paper_dots.h"

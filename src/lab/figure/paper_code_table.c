@@ -95,10 +95,8 @@ static iso_status code_table(const iso_figure_job *job, iso_page *page, iso_erro
     const size_t size = (size_t)1 << bits, entries = size * (size + 1) / 2;
     const iso_paper_row row = {
         .columns = 2, .aspect = 1, .gap_mm = 3, .most_mm = 80, .has_titles = true, .has_notes = true};
-    iso_status status = iso_paper_lay_out(&p, job, page, &row, 1, err);
-    TRY(status, iso_paper_table_create(size, &table, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_paper_lay_out(&p, job, page, &row, 1, err));
+    NEED(iso_paper_table_create(size, &table, err));
     snprintf(note, sizeof note, "%zu entries of a cube of %zu", entries, size);
     draw_table_in_cube(iso_paper_drawing(&p, 0, 0, "(a) entries of the table", note), p.panel_mm[0], &table);
     iso_page_plot_end(page);

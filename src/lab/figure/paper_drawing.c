@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "lab/figure/paper_drawing.h"
 
-#include <math.h>
-
 iso_drawing iso_drawing_begin(FILE *gp, double panel_mm, double units)
 {
     iso_drawing d = {.gp = gp, .middle = 0.5 * panel_mm, .scale = 0.5 * panel_mm / units};

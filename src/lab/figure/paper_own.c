@@ -83,9 +83,7 @@ iso_status iso_paper_scene(const iso_figure_job *job, const iso_paper_look *own,
                            iso_error *err)
 {
     iso_subject_look look;
-    const iso_status status = iso_cli_look_check(&job->look, job->cli->threads, &look, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_cli_look_check(&job->look, job->cli->threads, &look, err));
     const iso_status made = look.scene || look.tf ? iso_subject_make_scene(&look, p, scene, err)
                                                   : own_scene(job, own, p, scene, err);
     if (job->has_background)

@@ -3,7 +3,6 @@
  * largest regular subdivision of the sphere with as many directions, from two sides. The paper shows an airplane's
  * wing. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "compare/metrics.h"
 #include "lab/figure/paper_own.h"
@@ -112,11 +111,9 @@ static iso_status begin(const iso_figure_job *job, stage *s, iso_error *err)
     *s = (stage){.surface = NAN};
     if (entries < 60 || entries > 4094 || entries % 2 == 1)
         return iso_fail(err, ISO_E_RANGE, "--entries is %d, must be even, 60 to 4094, as in a tessellation", entries);
-    iso_status status = iso_paper_load(job, &own_wing, &build, &s->pyramid, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_paper_load(job, &own_wing, &build, &s->pyramid, err));
     const iso_level *l = &s->pyramid.levels[0];
-    status = iso_paper_surface(job, l, &s->surface, err);
+    iso_status status = iso_paper_surface(job, l, &s->surface, err);
     if (status == ISO_OK && (!l->directions || !l->magnitude))
         status = iso_fail(err, ISO_E_RANGE,
                           "%s stores only codes; this figure needs the volume, or a pyramid with floats and "

@@ -62,9 +62,7 @@ iso_status iso_paper_make_wing(iso_volume *v, iso_error *err)
     const size_t size[3] = {160, 92, 36};
     const iso_geometry g = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1});
     const double unit = 2.0 / (double)size[0];
-    const iso_status status = iso_volume_create(v, &g, ISO_F32, "wing", err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_volume_create(v, &g, ISO_F32, "wing", err));
     float *out = v->data;
     for (size_t x = 0; x < size[0]; ++x) {
         const double span = (unit * ((double)x + 0.5) - 1 + 0.92) / 1.84, beyond = fmax(-span, span - 1) * 1.84;

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* region.c - full resolution in a box, a coarse level around it: with a hard edge under the transfer function of level
  * 0, with a hard edge under that of the coarse level, and blended. */
-#include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "figure/columns.h"
 #include "lab/figure/paper_kinds.h"

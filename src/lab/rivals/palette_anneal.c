@@ -139,9 +139,7 @@ static iso_status annealer_create(annealer *a, const iso_direction_set *set, siz
                                   iso_error *err)
 {
     *a = (annealer){.set = set};
-    iso_status status = iso_mesh_create_random(&a->mesh, triangles, random, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_mesh_create_random(&a->mesh, triangles, random, err));
     a->old_face = calloc(triangles, sizeof *a->old_face);
     a->new_face = calloc(triangles, sizeof *a->new_face);
     a->old_next = malloc((set->count + 1) * sizeof *a->old_next);

@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define MARK_SAVED 1
 #define MARK_PATCH 2

@@ -2,8 +2,6 @@
 #include "lab/rivals/palettes.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "lab/rivals/palette_tables.h"
 #include "palette/palette_search.h"
@@ -84,9 +82,7 @@ iso_status iso_rival_palette_fit(const iso_direction_set *set, const iso_rival_o
     iso_palette_options fit = opt->fit;
     *palette = (iso_palette){0};
     fit.method = opt->method == ISO_RIVAL_FIBONACCI ? ISO_PALETTE_FIBONACCI : ISO_PALETTE_KMEANS;
-    iso_status status = iso_rival_palette_check(opt, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_rival_palette_check(opt, err));
     switch (opt->method) {
     case ISO_RIVAL_KMEANSPP:
         /* With an entry for each direction there is nothing to choose. */

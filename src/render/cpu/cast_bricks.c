@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "render/cpu/cast_bricks.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -130,7 +129,6 @@ size_t iso_cast_voxel_bytes(const iso_cast_scalars *s, bool is_lit)
 {
     return is_lit ? 2 * sizeof(uint32_t) : s->are_integers ? sizeof(uint16_t) : sizeof(float);
 }
-
 
 bool iso_cast_pool_create(iso_cast_pool *pool, const iso_cast_scalars *s, bool is_lit, size_t count, size_t *bytes)
 {

@@ -402,9 +402,7 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
     const iso_geometry *g = &level->geometry;
     const iso_cast_grid grid = iso_cast_grid_of(g, opt->threads);
     const double step_voxels = opt->step_voxels > 0 ? opt->step_voxels : view->step_voxels;
-    iso_status status = check(view, &grid, step_voxels, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check(view, &grid, step_voxels, err));
     const iso_cast_scalars scalars = iso_cast_scalars_of(level);
     const double unit = iso_cast_unit(&scalars);
     for (int a = 0; a < 3; ++a)
@@ -415,8 +413,8 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
     s->cast.labels = level->labels;
     s->cast.has_integers = scalars.are_integers;
     set_gradient(&s->cast, level, unit);
-    status = makes_bricks(level, view, opt) ? check_samples(view, opt, err)
-                                            : set_level(s, &grid, level, code, view, opt, err);
+    iso_status status = makes_bricks(level, view, opt) ? check_samples(view, opt, err)
+                                                       : set_level(s, &grid, level, code, view, opt, err);
     TRY(status, iso_cast_own_tf(s, view, level->min, unit, err));
     TRY(status, set_blocks(s, level, code, view, opt, err));
     return status;

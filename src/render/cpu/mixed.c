@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/parallel.h"
 #include "base/simd.h"
 #include "brick/occupancy.h"
 #include "brick/pack.h"
@@ -383,11 +382,9 @@ static iso_status fill(mixed *m, iso_error *err)
     const iso_node_levels *n = m->field->nodes;
     const double step_voxels = m->opt->step_voxels > 0 ? m->opt->step_voxels : m->view->step_voxels;
     const double unit = (n->max - n->min) / (m->opt->node_bits == 16 ? 65535 : 1);
-    iso_status status = check(m, step_voxels, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check(m, step_voxels, err));
     set_volume(m, step_voxels);
-    status = place_bricks(m, err);
+    iso_status status = place_bricks(m, err);
     TRY(status, make_nodes(m, err));
     TRY(status, iso_cast_own_tf(m->scene, m->view, n->min, unit, err));
     if (status == ISO_OK && m->opt->skip != ISO_CPU_SKIP_NEVER)

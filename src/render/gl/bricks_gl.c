@@ -102,9 +102,7 @@ static iso_status upload_brick(const iso_brick_field *f, const iso_brick_pack *p
     const size_t page = (size_t)at[2] / pack->size[2];
     const GLint x = (GLint)at[0], y = (GLint)at[1], z = (GLint)((size_t)at[2] % pack->size[2]);
     GLsizei m = (GLsizei)side;
-    const iso_status status = iso_brick_bake(f, brick, s->baked, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_brick_bake(f, brick, s->baked, err));
     convert(n, opt->cache_bits, side * side * side, s);
     if (scalar_with_directions) {
         glActiveTexture(GL_TEXTURE0 + unit_of_directions(page));
@@ -307,13 +305,11 @@ static iso_status draw(const brick_job *job, iso_image *image, iso_gl_brick_stat
     const iso_gl_brick_options *opt = job->opt;
     const iso_gl_repeats repeats = {.count = opt->repeats, .seconds = opt->repeat_seconds};
     GLuint program;
-    iso_status status = get_program(job, &program, err);
-    TRY(status, iso_image_create(image, job->view->width, job->view->height, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(get_program(job, &program, err));
+    NEED(iso_image_create(image, job->view->width, job->view->height, err));
     glUseProgram(program);
     set_uniforms(program, job->field, &job->pack, job->view, job->step_voxels, opt->surface);
-    status = iso_gl_draw_repeatedly(job->gl, program, &repeats, image, &stats->seconds, &stats->gl, err);
+    iso_status status = iso_gl_draw_repeatedly(job->gl, program, &repeats, image, &stats->seconds, &stats->gl, err);
     if (status != ISO_OK)
         iso_image_destroy(image);
     return status;

@@ -36,15 +36,13 @@ static iso_status probe_filter(iso_gl *gl, GLenum format, int *bits, iso_error *
     static const float texels[2] = {0, 1};
     float result[4 * PROBE_COUNT];
     GLuint program, texture;
-    iso_status status = iso_gl_get_program(gl, "probe.glsl", "", &program, err);
-    TRY(status, iso_gl_create_texture_3d(gl, format, size, "filter probe", &texture, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gl_get_program(gl, "probe.glsl", "", &program, err));
+    NEED(iso_gl_create_texture_3d(gl, format, size, "filter probe", &texture, err));
     glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, 2, 1, 1, GL_RED, GL_FLOAT, texels);
     glUseProgram(program);
     glUniform1i(glGetUniformLocation(program, "texels"), 0);
     glUniform1f(glGetUniformLocation(program, "count"), PROBE_COUNT);
-    status = iso_gl_draw(gl, program, PROBE_COUNT, 1, (iso_gl_cover){0}, result, NULL, err);
+    iso_status status = iso_gl_draw(gl, program, PROBE_COUNT, 1, (iso_gl_cover){0}, result, NULL, err);
     glDeleteTextures(1, &texture);
     double worst = ldexp(1, -24);
     for (int i = 0; i < PROBE_COUNT; ++i)
@@ -87,9 +85,7 @@ iso_status iso_gl_create(iso_gl **out, const char *shader_dir, iso_error *err)
 iso_status iso_gl_create_on(iso_gl **out, const char *device, const char *shader_dir, iso_error *err)
 {
     *out = NULL;
-    iso_status status = iso_gl_find_libraries(err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gl_find_libraries(err));
     iso_gl *gl = calloc(1, sizeof *gl);
     if (!gl || (shader_dir && !(gl->shader_dir = strdup(shader_dir)))) {
         free(gl);
@@ -97,7 +93,7 @@ iso_status iso_gl_create_on(iso_gl **out, const char *device, const char *shader
     }
     /* llvmpipe filters 8-bit textures in 8 bits unless told otherwise before it starts. */
     setenv("GALLIVM_PERF", "no_aos_sampling", 0);
-    status = iso_gl_open(gl, device, err);
+    iso_status status = iso_gl_open(gl, device, err);
     if (status == ISO_OK && epoxy_gl_version() < 43)
         status = iso_fail(err, ISO_E_MISSING, "gl: OpenGL %d.%d, at least 4.3 is needed", epoxy_gl_version() / 10,
                           epoxy_gl_version() % 10);

@@ -3,7 +3,6 @@
 
 #include "render/gl/gl_devices.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

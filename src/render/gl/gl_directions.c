@@ -82,9 +82,7 @@ iso_status iso_gl_upload_codes(const iso_gl *gl, const iso_level *level, iso_cod
     const GLenum format = l.is_signed ? (l.wide ? GL_RGBA16_SNORM : GL_RGBA8_SNORM) : (l.wide ? GL_RGBA16 : GL_RGBA8);
     const GLenum type = l.is_signed ? (l.wide ? GL_SHORT : GL_BYTE) : (l.wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE);
     set_factors(&l, d);
-    iso_status status = iso_gl_create_texture_3d(gl, format, size, "direction codes", &d->texture, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gl_create_texture_3d(gl, format, size, "direction codes", &d->texture, err));
     void *plane = malloc(plane_count * l.channels * (l.wide ? 2 : 1));
     if (!plane)
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of codes");
@@ -122,10 +120,7 @@ iso_status iso_gl_upload_codes_with_scalar(const iso_gl *gl, const iso_level *le
     const bool is_signed = iso_code_describe(code)->is_signed;
     d->scale = is_signed ? 65535.0 / 258 / 127 : 2;
     d->offset = -1;
-    iso_status status = iso_gl_create_texture_3d(gl, GL_RGBA16, size, "direction codes and a scalar volume",
-                                                 &d->texture, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gl_create_texture_3d(gl, GL_RGBA16, size, "direction codes and a scalar volume", &d->texture, err));
     uint16_t *plane = malloc(4 * count * sizeof *plane);
     if (!plane)
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of codes");

@@ -66,9 +66,7 @@ iso_status iso_gl_create_texture_3d(const iso_gl *gl, GLenum internal_format, co
 iso_status iso_gl_create_occupancy(const iso_gl *gl, const size_t count[3], const uint8_t *distance, GLuint *texture,
                                    iso_error *err)
 {
-    iso_status status = iso_gl_create_texture_3d(gl, GL_R8UI, count, "brick occupancy", texture, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gl_create_texture_3d(gl, GL_R8UI, count, "brick occupancy", texture, err));
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, (GLsizei)count[0], (GLsizei)count[1], (GLsizei)count[2], GL_RED_INTEGER,

@@ -450,16 +450,14 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
                                                   : opt->step_voxels > 0 ? opt->step_voxels
                                                                          : view->step_voxels;
     *image = (iso_image){0};
-    iso_status status = check_options(opt, view, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check_options(opt, view, err));
     GLuint program;
     level_textures textures, roi_textures = {0};
     iso_gl_stats stats = {0};
     const double start = iso_clock_seconds();
     if (view->roi)
         with_step.skip = ISO_GL_SKIP_NEVER; /* a brick is empty in one level and not in the other */
-    status = iso_gl_bind(gl, err);
+    iso_status status = iso_gl_bind(gl, err);
     TRY(status, upload(gl, level, code, opt, view, &textures, err));
     if (status != ISO_OK)
         return status;

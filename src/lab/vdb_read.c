@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* vdb_read.c - reads grid files back, and measures them. */
 #define _GNU_SOURCE
+#include "lab/vdb_read.h"
+
 #include <string.h>
 #include <sys/stat.h>
 
