@@ -69,16 +69,23 @@ static iso_volume ramp_along_z(const size_t size[3], double spacing)
     return v;
 }
 
-static iso_sample_error bound_of(const subject *s)
+static iso_sample_error bound(const subject *s, bool float_rays)
 {
     iso_sample_error most;
-    assert_ok(iso_rounding_bound(&s->pyramid.levels[0], s->pyramid.options.code, &s->view, ISO_FROM_CODES, 1, &most, &err));
+    assert_ok(iso_rounding_bound(&s->pyramid.levels[0], s->pyramid.options.code, &s->view, ISO_FROM_CODES, float_rays,
+                                 1, &most, &err));
     return most;
+}
+
+static iso_sample_error bound_of(const subject *s)
+{
+    return bound(s, false);
 }
 
 /* Extinction grows with z from 0 to S, so little that T is 1. Its slope is S / (n - 1) per voxel. Rounding moves a
  * sample by n 2^-24 voxels, but not in the half voxels at both faces, where the value is constant; and the value by 4 x
- * 2^-24 of n - 1. The opacity is off by the integral of both, a color of 1/2 by half of that. */
+ * 2^-24 of n - 1. The opacity is off by the integral of both, a color of 1/2 by half of that. Rays in floats move it by
+ * 4 x 2^-24 of its distance from the eye, which is 200 mm before the center, too. */
 TEST(the_bound_of_a_ramp_is_the_closed_form)
 {
     const size_t size[3] = {12, 14, 41};
@@ -89,6 +96,7 @@ TEST(the_bound_of_a_ramp_is_the_closed_form)
     const iso_sample_error most = bound_of(&s);
     assert_within(most.max_abs / opacity, 1, 0.01); /* 1 - T is .003 here; steps end at the faces of voxels */
     assert_within(most.rmse / (opacity * sqrt((3 * 0.25 + 1) / 4)), 1, 0.01);
+    assert_within(bound(&s, true).max_abs / (opacity + h * extinction * step * 4 * 200 / h), 1, 0.01);
     iso_volume_destroy((iso_volume *)&v);
 }
 
@@ -121,6 +129,15 @@ static double rmse_of_a_shifted_table(const subject *s, double entries)
     const double shift = entries * (s->view.tf.hi - s->view.tf.lo) / (double)(s->view.tf.count - 1);
     other.view.tf.lo += shift;
     other.view.tf.hi += shift;
+    OWNED(iso_image) a = picture(s, &iso_renderer_reference), b = picture(&other, &iso_renderer_reference);
+    const double rmse = difference(&a, &b).rmse;
+    return rmse;
+}
+
+static double rmse_of_a_moved_eye(const subject *s, double voxels)
+{
+    subject other = *s; /* borrows */
+    other.view.camera.position.x += voxels * iso_geometry_min_spacing_mm(&s->pyramid.levels[0].geometry);
     OWNED(iso_image) a = picture(s, &iso_renderer_reference), b = picture(&other, &iso_renderer_reference);
     const double rmse = difference(&a, &b).rmse;
     return rmse;
@@ -169,7 +186,7 @@ TEST(the_ray_caster_is_within_the_bound)
 
 /* Ordinary tables keep their limit, so that what it finds is as small as before. Steep ones have a wider one: the
  * smallest shift of the table that is rejected is still less than a tenth of the half entry that a wrong lookup is off
- * by. */
+ * by. With rays in floats, a shift of half a voxel is 20 times the limit, one of a hundredth is rejected. */
 TEST(what_is_no_rounding_is_rejected)
 {
     const double usual = iso_renderer_gl.lock_step->rounded.rmse;
@@ -182,6 +199,8 @@ TEST(what_is_no_rounding_is_rejected)
     assert_at_most(smallest_rejected(&steep, limits_of(&steep).rmse), 0.05);
     assert_more_than(rmse_of_a_shifted_table(&ordinary, 0.5), 20 * limits_of(&ordinary).rmse);
     assert_more_than(rmse_of_a_shifted_table(&steep, 0.5), 5 * limits_of(&steep).rmse);
+    assert_more_than(rmse_of_a_moved_eye(&steep, 0.5), 20 * bound(&steep, true).rmse);
+    assert_more_than(rmse_of_a_moved_eye(&steep, 0.01), bound(&steep, true).rmse);
 }
 
 TEST_MAIN(NULL, end_renderers)

@@ -148,6 +148,7 @@ static void take_tier(iso_json_reader *r, row *to, tier asked)
     size_t bits = in_bits ? 8 : 0;
     iso_lock_step *lock = &to->lock_step;
     *lock = (iso_lock_step){.quadrature = in_bits ? ISO_QUADRATURE_CONVERGED : ISO_QUADRATURE_MIDPOINT,
+                            .float_rays = asked == TIER_SAMPLES,
                             .why = in_bits ? bits_why : usual_why};
     if (!in_bits)
         lock->smooth = usual_smooth, lock->sharp = usual_sharp;

@@ -131,6 +131,7 @@ typedef struct iso_lock_step {
     const char *exact_why;
     iso_sample_error rounded; /* of usual lookups that are farther off, if exact ones are within `exact` */
     const char *rounded_why;
+    bool float_rays; /* True if rays may be in single precision: pictures farther off are held to its bound */
 } iso_lock_step;
 
 /* Integers that a renderer stores its images in. Zeroed: floats. */

@@ -11,6 +11,8 @@
 /* One step of single precision at 1: a coordinate of a texture is a part of the volume, and one step of it off at most
  * after the arithmetic that makes it. */
 static const double coordinate_step = 0x1p-24;
+/* A ray's position, in parts of its distance from the eye, if the ray is set up in single precision. */
+static const double ray_steps = 4 * 0x1p-24;
 /* A value is filtered by seven interpolations, each rounded in the product and in the sum, and becomes a coordinate of
  * the table: four steps of the largest value that takes part. */
 static const double value_steps = 4 * 0x1p-24;
@@ -20,6 +22,8 @@ static const double least_extinction = 1e-30;
 /* Medium through which rounding is propagated; the emitter's field. */
 typedef struct medium {
     double step_voxels[3];  /* by which a coordinate is off */
+    double ray_step;        /* by which a position is off, in parts of its distance from the eye */
+    iso_vec3 eye;           /* index */
     iso_view below, above;  /* the view with values that are off; they borrow */
     double brightest;       /* radiance that arrives from anywhere, at most */
 } medium;
@@ -55,12 +59,14 @@ static double emit(const iso_emitter *e, const iso_emitter_place *at, double col
 {
     const medium *m = e->field;
     const emission here = emission_at(at->view, at, at->index);
+    const double ray = m->ray_step * iso_norm(iso_sub(at->index, m->eye));
     double extinction = 0, radiance = 0; /* the sum over the axes and the value, each by the worse side */
     for (int a = 0; a < 4; ++a) {
         double more_extinction = 0, more_radiance = 0;
         for (int side = -1; side <= 1; side += 2) {
-            const double d[3] = {a == 0 ? side * m->step_voxels[0] : 0, a == 1 ? side * m->step_voxels[1] : 0,
-                                 a == 2 ? side * m->step_voxels[2] : 0};
+            double d[3] = {0};
+            if (a < 3)
+                d[a] = side * (m->step_voxels[a] + ray);
             const iso_view *view = a < 3 ? at->view : side < 0 ? &m->below : &m->above;
             const emission there = emission_at(view, at, iso_add(at->index, iso_v3(d[0], d[1], d[2])));
             widen(&here, &there, &more_extinction, &more_radiance);
@@ -119,11 +125,15 @@ static iso_sample_error sum_up(const iso_image *image)
 }
 
 iso_status iso_rounding_bound(const iso_level *level, iso_code code, const iso_view *view, iso_direction_source source,
-                              int threads, iso_sample_error *most, iso_error *err)
+                              bool float_rays, int threads, iso_sample_error *most, iso_error *err)
 {
     iso_view dark = *view; /* borrows */
     iso_tf_2d tables[2];
-    medium m = {.below = *view, .above = *view, .brightest = brightest_of(view)};
+    medium m = {.ray_step = float_rays ? ray_steps : 0,
+                .eye = iso_geometry_to_index(&level->geometry, view->camera.position),
+                .below = *view,
+                .above = *view,
+                .brightest = brightest_of(view)};
     const double value = value_steps * fmax(fmax(fabs(level->min), fabs(level->max)), view->tf.hi - view->tf.lo);
     const iso_emitter emitter = {.emit = emit, .field = &m};
     iso_reference_options opt = iso_reference_defaults();
