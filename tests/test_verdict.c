@@ -318,6 +318,40 @@ TEST(the_sentence_counts_what_was_asked_for)
     }
 }
 
+/* The first sentence names the worst renderer, the size, and the cause that equal samples and small steps show. */
+TEST(the_first_sentence_names_renderer_size_and_cause)
+{
+    static const struct {
+        double same, limit;
+        const char *said;
+    } cases[] = {
+        {2, 0.5, "; with small steps it agrees, so its samples stand elsewhere. "},
+        {0.5, 3, "; with the same samples it agrees, so small steps are the cause. "},
+        {4, 3, "; with small steps it differs, too, so steps are not the cause. "},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        iso_report *r = open_report("first");
+        iso_report_agreement row = {.scene = "s", .a = "a", .renderer = "worse", .level = 1, .error_bar = NAN};
+        char words[160];
+        row.tolerances.rmse = 0.01;
+        for (int k = 0; k < 2; ++k) {
+            row.comparison = k ? ISO_COMPARISON_LIMIT : ISO_COMPARISON_LOCK_STEP;
+            row.metrics.rmse = 0.01 * (k ? cases[i].limit : cases[i].same);
+            assert_ok(iso_report_add_agreement(r, &row, &err));
+        }
+        row.renderer = "better"; /* its cause is another one */
+        row.metrics.rmse = 0.011;
+        assert_ok(iso_report_add_agreement(r, &row, &err));
+        const iso_report_summary s = iso_report_summarize(r);
+        const double worst = fmax(cases[i].same, cases[i].limit);
+        snprintf(words, sizeof words, "worse differs in s, level 1: RMSE %.2g, %.2g times the limit%s", 0.01 * worst, worst,
+                 cases[i].said);
+        if (strncmp(s.sentence, words, strlen(words)) != 0)
+            fail_msg("%s, said: %s", words, s.sentence);
+        iso_report_destroy(r);
+    }
+}
+
 /* Rows of a stage name it, and have no renderer. */
 TEST(a_stage_that_did_not_run_has_a_row)
 {

@@ -146,7 +146,7 @@ typedef struct iso_report_summary {
     size_t calibrations_passed, calibrations_failed;
     bool good;  /* True if no renderer differed, was refused or failed, and no requested comparison is unanswered */
     bool holds; /* True if also no row of any section differs (sections.h): the report's verdict */
-    char sentence[768];
+    char sentence[1024];
 } iso_report_summary;
 iso_report_summary iso_report_summarize(const iso_report *report);
 

@@ -41,7 +41,10 @@ typedef struct wrong {
     iso_vec3 shift;   /* of lookups, in voxels */
     bool mirrored[3]; /* lookups along an axis */
     bool nearest;     /* lookups without interpolation */
+    bool coarser;     /* lookups in the level above */
+    bool negated[3];  /* components of directions */
     double extinction, range_entries, pixel_x, pixel_y;
+    bool in_voxels, in_spacings; /* lengths */
     curve tf, picture; /* of colors; alpha has none */
     bool linear_alpha; /* sigma length in place of 1 - exp(-sigma length) */
     bool swaps_xy, by_matrix, raw_normals, unlit, one_sided, one_sided_diffuse, other_light, other_diffuse_light;
@@ -65,6 +68,9 @@ typedef struct wrong {
     X(mirrored_z, "the volume were mirrored along z", w->mirrored[2] = true)                                        \
     X(backward, "the voxels were stored in reverse order", w->mirrored[0] = w->mirrored[1] = w->mirrored[2] = true) \
     X(nearest, "voxels were not interpolated", w->nearest = true)                                                   \
+    X(coarser, "voxels were those of the next coarser level", w->coarser = true)                                    \
+    X(in_voxels, "lengths along the ray were in voxels", w->in_voxels = true)                                       \
+    X(in_spacings, "lengths along the ray were in units of the smallest spacing", w->in_spacings = true)            \
     X(longer, "extinction were for 10 % more length", w->extinction = 1.1)                                          \
     X(half_extinction, "extinction were half", w->extinction = 0.5)                                                 \
     X(double_extinction, "extinction were double", w->extinction = 2)                                               \
@@ -73,6 +79,9 @@ typedef struct wrong {
     X(tf_gamma, "the TF's colors were taken for values with a gamma of 2.2", w->tf = GAMMA)                         \
     X(tf_range, "the TF's range were off by one entry", w->range_entries = 1)                                       \
     X(swaps_xy, "x and y of the directions were exchanged", w->swaps_xy = true)                                     \
+    X(negated_x, "x of the directions had the wrong sign", w->negated[0] = true)                                    \
+    X(negated_y, "y of the directions had the wrong sign", w->negated[1] = true)                                    \
+    X(negated_z, "z of the directions had the wrong sign", w->negated[2] = true)                                    \
     X(by_matrix, "gradients went to the world by the matrix itself", w->by_matrix = true)                           \
     X(raw_normals, "directions were not normalized after filtering", w->raw_normals = true)                         \
     X(unlit, "there were no light", w->unlit = true)                                                                \
@@ -147,10 +156,58 @@ static iso_vec3 place_of_lookup(const scene *s, iso_vec3 index)
     return iso_v3(at[0], at[1], at[2]);
 }
 
+/* Returns the mean of the eight voxels of a voxel of the next level, without those beyond the last. */
+static double mean_of_eight(const scene *s, const float *field, size_t parts, const size_t coarse[3])
+{
+    const size_t *n = s->grid->size;
+    double sum = 0, count = 0;
+    for (size_t c = 0; c < 8; ++c) {
+        const size_t x = 2 * coarse[0] + (c & 1), y = 2 * coarse[1] + (c >> 1 & 1), z = 2 * coarse[2] + (c >> 2);
+        if (x >= n[0] || y >= n[1] || z >= n[2])
+            continue;
+        sum += (double)field[parts * (x + n[0] * (y + n[1] * z))];
+        ++count;
+    }
+    return sum / count;
+}
+
+/* Interpolates the next level at an index of this one. */
+static double coarser_at(const scene *s, const float *field, size_t parts, iso_vec3 index)
+{
+    const double at[3] = {index.x, index.y, index.z};
+    size_t low[3], last[3], corner[3];
+    double part[3], sum = 0;
+    for (int a = 0; a < 3; ++a) {
+        last[a] = (s->grid->size[a] + 1) / 2 - 1;
+        const double q = fmin(fmax(at[a] / 2 - 0.5, 0), (double)last[a]);
+        low[a] = (size_t)q;
+        part[a] = q - (double)low[a];
+    }
+    for (size_t c = 0; c < 8; ++c) {
+        double weight = 1;
+        for (int a = 0; a < 3; ++a) {
+            const bool high = c >> a & 1;
+            corner[a] = low[a] + high > last[a] ? last[a] : low[a] + high;
+            weight *= high ? part[a] : 1 - part[a];
+        }
+        sum += weight > 0 ? weight * mean_of_eight(s, field, parts, corner) : 0;
+    }
+    return sum;
+}
+
+static double scalar_at(const scene *s, iso_vec3 index)
+{
+    return s->w.coarser ? coarser_at(s, s->sampler.level->scalar, 1, index) : iso_sample_scalar(&s->sampler, index);
+}
+
 static iso_vec3 direction_at(const scene *s, iso_vec3 index)
 {
     double out[3];
     iso_sample_floats(&s->sampler, s->directions, 3, index, out);
+    for (size_t a = 0; a < 3; ++a) {
+        out[a] = s->w.coarser ? coarser_at(s, s->directions + a, 3, index) : out[a];
+        out[a] *= s->w.negated[a] ? -1 : 1;
+    }
     iso_vec3 d = s->w.swaps_xy ? iso_v3(out[1], out[0], out[2]) : iso_v3(out[0], out[1], out[2]);
     if (s->w.by_matrix)
         d = iso_mul(s->grid->index_to_world, iso_mul(iso_mat3_transpose(s->grid->index_to_world), d));
@@ -208,8 +265,10 @@ static iso_ray ray_of(const scene *s, double column, double row)
 static void march(const scene *s, const iso_ray *ray, double rgba[4])
 {
     const double step = s->view->step_voxels * iso_geometry_min_spacing_mm(s->grid);
-    double t0, t1, through = 1;
+    double t0, t1, through = 1, per_mm = s->w.extinction;
     memset(rgba, 0, 4 * sizeof *rgba);
+    per_mm *= s->w.in_voxels ? iso_norm(iso_mul(s->to_index, ray->direction)) : 1;
+    per_mm /= s->w.in_spacings ? iso_geometry_min_spacing_mm(s->grid) : 1;
     if (!iso_view_ray(s->view, ray, s->grid, &t0, &t1) || t1 <= t0)
         return;
     for (double k = floor(t0 / step); k * step < t1; ++k) {
@@ -217,8 +276,8 @@ static void march(const scene *s, const iso_ray *ray, double rgba[4])
         const iso_vec3 at = iso_madd(ray->origin, ray->direction, s->w.reversed ? t0 + t1 - middle : middle);
         const iso_vec3 index = place_of_lookup(s, iso_mul(s->to_index, iso_sub(at, s->grid->origin_mm)));
         double rgbs[4];
-        iso_tf_lookup(&s->tf, iso_sample_scalar(&s->sampler, index), rgbs);
-        const double depth = s->w.extinction * rgbs[3] * (b - a),
+        iso_tf_lookup(&s->tf, scalar_at(s, index), rgbs);
+        const double depth = per_mm * rgbs[3] * (b - a),
                      alpha = s->w.linear_alpha ? fmin(depth, 1) : -expm1(-depth),
                      lit = alpha > 0 ? shade_at(s, direction_at(s, index), to_viewer(s, ray, at)) : 0;
         for (int c = 0; c < 3; ++c)
