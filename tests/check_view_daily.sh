@@ -49,7 +49,26 @@ done
 expect labels_are_shown 0 daily labels named.html
 check they_have_their_names grep -qx 'labels 2 left kidney; 7 Läsion; 11; 0' out
 expect files_are_opened 0 daily opened patient.html steps.nii over.nii
-all_true opened 7
+all_true opened 8
+sed 's/new Worker(/new Forbidden(/' patient.html >alone.html
+expect files_are_opened_without_workers 0 daily opened alone.html steps.nii over.nii
+check and_that_is_noticed grep -qx 'files_are_read_beside_the_page false' out
+
+# Lengths in the picture, and units.
+"$ISOSHADE" make constant --size 10x10x10 -q -o constant.nrrd
+printf '{"schema": "isoshade.tf/1", "range": [0, 1], "unit_distance_mm": 2, "color_space": "linear", "points": [%s]}' \
+    '{"value": 0, "r": 1, "g": 1, "b": 1, "opacity": 0.3}, {"value": 1, "r": 1, "g": 1, "b": 1, "opacity": 0.3}' >constant.tf.json
+"$ISOSHADE" view constant.nrrd --tf constant.tf.json -q -o constant.html || failed=1
+expect points_of_the_picture_are_picked 0 daily picked constant.html
+all_true picked 7
+"$ISOSHADE" make noise --size 12x11x10 --type int16 --range -300,900 -q -o noise.nrrd
+sed '0,/^encoding/s//sample units: "HU"\n&/' noise.nrrd >hu.nrrd
+"$ISOSHADE" view hu.nrrd -q -o hu.html || failed=1
+expect the_unit_of_values_is_shown 0 daily unit hu.html hu.nrrd HU
+all_true unit 6
+sed 's/"value_unit":"HU"/"value_unit":"XU"/' hu.html >xu.html
+daily unit xu.html hu.nrrd HU >out
+check another_unit_is_noticed grep -qx 'the_page_has_it_under_the_cursor false' out
 expect a_context_is_lost 0 daily lost patient.html
 all_true lost 4
 "$ISOSHADE" view patient.nii --compact -q -o compact.html || failed=1

@@ -6,10 +6,13 @@ view_daily.py slices PAGE FILE.nii     pixels, values and places against nibabel
 view_daily.py labels PAGE              names of labels
 view_daily.py framed PAGE OUTER.html   the page in a frame that forbids to save, 420 pixels high
 view_daily.py opened PAGE STEPS OVER   a file of time steps, and another file over its slices
+view_daily.py picked PAGE              lengths and points in the picture, of a constant that is 10 mm wide
+view_daily.py unit PAGE FILE UNIT      the unit of values, of the page and of a file that is opened
 view_daily.py lost PAGE                the context is lost and comes again"""
 import base64
 import html
 import json
+import math
 import os
 import re
 import sys
@@ -198,6 +201,64 @@ def lost(path):
         say("no_exception", not any(e["method"] == "Runtime.exceptionThrown" for e in page.events))
 
 
+def picked(path):
+    """Opacity 0.3 over 2 mm everywhere: a half is passed ln 2 / sigma behind the face, wherever a ray enters."""
+    depth = math.log(2) / (-math.log(0.7) / 2)
+    with Chromium(size=(900, 700)) as page:
+        load(page, path)
+        page.evaluate("[...document.querySelectorAll('#views button')].find(b => b.textContent === 'front').click()")
+        page.evaluate("(e => { e.value = 'orthographic'; e.dispatchEvent(new Event('change')); })"
+                      "(document.querySelector('#projection select'))")
+        page.evaluate("isoshade.frames.settled()")
+        page.evaluate("[...document.querySelectorAll('#slicing button')].find(b => b.textContent === 'measure a length').click()")
+        left, top, width, height = page.evaluate("(b => [b.x, b.y, b.width, b.height])(document.getElementById('picture')"
+                                                 ".getBoundingClientRect())")
+        mm = 2 * page.evaluate("isoshade.frames.camera(1).half") / height  # of a pixel
+        ends = [(round(left + width / 2 + dx / mm), round(top + height / 2 + dy / mm)) for dx, dy in ((-3, 2), (2.5, -2))]
+        for at in ends:
+            page.drag(at, at, steps=1)
+        points = page.evaluate("isoshade.state.measure")
+        face = page.evaluate("isoshade.data.geometry0.origin_mm[1]") + 10  # it looks against y
+        off = max(abs(face - depth - p[1]) for p in points)
+        say("points_lie_where_opacity_passes_a_half", off <= 0.01)  # midpoints of a constant are exact; floats of a table
+        say("a_half_of_that_depth_is_noticed", max(abs(face - depth / 2 - p[1]) for p in points) > 0.01)
+        text = page.evaluate("document.getElementById('length').textContent")
+        length = mm * math.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
+        say("the_length_is_that_between_the_pixels", abs(float(text.split()[1]) - length) <= 0.02)
+        say("it_is_in_the_picture", page.evaluate("document.querySelector('#outline path').getAttribute('d')").count("M") == 1)
+        say("a_drag_still_orbits", orbits(page, ends))
+        page.evaluate("isoshade.state.measure = []")
+        corner = (round(left + 3), round(top + 3))
+        page.drag(corner, corner, steps=1)
+        said = page.evaluate("document.getElementById('readout').textContent")
+        say("beside_the_volume_nothing_is_picked", "not opaque" in said and page.evaluate("isoshade.state.measure.length") == 0)
+        say("no_exception", not any(e["method"] == "Runtime.exceptionThrown" for e in page.events))
+
+
+def orbits(page, ends):
+    """True if a drag turns the camera and picks nothing."""
+    before = page.evaluate("JSON.stringify([isoshade.state.measure, isoshade.state.camera.position])")
+    page.drag(*ends)
+    measure, camera = page.evaluate("[isoshade.state.measure, isoshade.state.camera.position]")
+    return json.loads(before)[0] == measure and json.loads(before)[1] != camera
+
+
+def unit(path, file, name):
+    with Chromium(size=(900, 700)) as page:
+        load(page, path)
+        for of in ("the_page", "an_opened_file"):
+            page.evaluate("document.getElementById('slices').getAttribute('aria-pressed') === 'true' || document.getElementById('slices').click()")
+            page.evaluate("new Promise(done => setTimeout(done, 100)).then(() => isoshade.slices.draw())")
+            said = page.evaluate("document.getElementById('readout').textContent")
+            say(f"{of}_has_it_under_the_cursor", bool(re.search(rf"mm · -?[\d.]+ {name}$", said)))
+            axis = page.evaluate("[...document.querySelectorAll('#editor svg text')].map(t => t.textContent)")
+            range_ = page.evaluate("isoshade.data.value_range")
+            say(f"{of}_has_it_at_the_axis", axis[2] == f"value, {name}" and float(axis[0]) <= range_[0] and float(axis[1]) >= range_[1] * 0.999)
+            label = page.evaluate("document.querySelector('[data-field=value]').closest('label').textContent")
+            say(f"{of}_has_it_at_the_field", label == f"value, {name}")
+            choose(page, "#open", file)
+
+
 def choose(page, selector, path):
     root = page.call("DOM.getDocument")["root"]["nodeId"]
     node = page.call("DOM.querySelector", nodeId=root, selector=selector)["nodeId"]
@@ -240,6 +301,7 @@ def opened(path, steps, over):
         say("shifted_labels_are_noticed", not numpy.array_equal((before != after).any(-1), numpy.roll(label, 1, 0) > 0))
         page.evaluate("isoshade.data.overlay.cover = 1; isoshade.slices.draw()")
         say("each_label_has_one_color", len({tuple(c) for c in colors(page)[label > 0]}) == len(set(label[label > 0])))
+        say("files_are_read_beside_the_page", page.evaluate("isoshade.worker.here") == 0)
         say("its_value_is_told", re.search(r"over\.nii \d+$", page.evaluate("document.getElementById('readout').textContent")))
         page.screenshot(over + ".png")
         say("no_exception", not any(e["method"] == "Runtime.exceptionThrown" for e in page.events))
@@ -312,4 +374,5 @@ def framed(path, outer):
 
 
 if __name__ == "__main__":
-    {"slices": slices, "labels": labels, "framed": framed, "opened": opened, "lost": lost}[sys.argv[1]](*sys.argv[2:])
+    {"slices": slices, "labels": labels, "framed": framed, "opened": opened, "lost": lost, "picked": picked,
+     "unit": unit}[sys.argv[1]](*sys.argv[2:])

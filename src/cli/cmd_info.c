@@ -18,6 +18,7 @@
 #include "volume/segments.h"
 #include "volume/overview.h"
 #include "volume/unit.h"
+#include "volume/value_unit.h"
 
 /* Prints the unit of lengths in the file. */
 static void print_unit(const iso_volume_notes *n)
@@ -26,13 +27,6 @@ static void print_unit(const iso_volume_notes *n)
         printf("  unit       none in the file: mm\n");
     else
         printf("  unit       %s = %.9g mm\n", n->unit, n->unit_mm);
-}
-
-/* Returns the unit of the values; "" if the file has none, or if --stored leaves its scale out. */
-static const char *value_unit(const iso_volume_notes *n)
-{
-    const bool is_scaled = n->applied_slope != 0 || (n->scale_slope == 1 && n->scale_intercept == 0);
-    return is_scaled ? n->value_unit : "";
 }
 
 /* Prints time steps and channels if the file has several. */
@@ -117,7 +111,7 @@ static void print_text(const char *path, const iso_overview *f)
         iso_vec3 d = iso_normalize(iso_column(g->index_to_world, a));
         printf("  %c axis     %.6g, %.6g, %.6g\n", 'x' + a, d.x, d.y, d.z);
     }
-    const char *of_values = value_unit(&v->notes);
+    const char *of_values = iso_value_unit_of(&v->notes);
     printf("  range      %.9g to %.9g%s%s, mean %.6g\n", f->stats.min, f->stats.max, of_values[0] ? " " : "", of_values,
            f->stats.mean);
     if (f->stats.no_data_count > 0)
@@ -167,7 +161,7 @@ static void print_json(const iso_cli *cli, const char *path, const iso_overview 
     json_object_set_new(root, "unit", json_string(unit));
     json_object_set_new(root, "unit_is_named", json_boolean(v->notes.unit[0] != 0));
     json_object_set_new(root, "unit_mm", json_real(v->notes.unit_mm));
-    json_object_set_new(root, "value_unit", json_string(value_unit(&v->notes)));
+    json_object_set_new(root, "value_unit", json_string(iso_value_unit_of(&v->notes)));
     json_object_set_new(root, "scale_slope", json_real(v->notes.scale_slope));
     json_object_set_new(root, "scale_intercept", json_real(v->notes.scale_intercept));
     json_object_set_new(root, "applied_slope", json_real(v->notes.applied_slope));

@@ -18,6 +18,7 @@
 #include "tf/presets.h"
 #include "tf/small_views.h"
 #include "view/viewer.h"
+#include "volume/value_unit.h"
 
 enum { LEVELS = 5, COARSEST = 16 }; /* COARSEST: stop at this many voxels along the longest side */
 
@@ -229,7 +230,7 @@ static iso_status load(const view_arguments *a, const char *path, const iso_pyra
 static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *err)
 {
     const char *path = cli->arguments[0];
-    char *input = input_line(path, &a->input);
+    char *input = input_line(path, &a->input), value_unit[ISO_VALUE_UNIT_BYTES] = "";
     const bool is_pyramid = iso_pyramid_is_one(path);
     const iso_cli_stage stages[] = {{"pyramid", 1}, {"pack", 3}};
     iso_progress progress = iso_cli_progress(cli);
@@ -246,6 +247,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
                     .threads = cli->threads,
                     .title = iso_provenance_title(path),
                     .input = input,
+                    .value_unit = value_unit,
                     .folder = is_pyramid ? path : NULL};
     iso_viewer_size size;
     view_plan plan = {.page = {.name = NULL}};
@@ -262,6 +264,8 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     TRY(status, load(a, path, &build, &progress, &v, &pyramid, err));
     if (status == ISO_OK && is_pyramid && !a->codes)
         v.codes[0] = pyramid.options.code;
+    if (status == ISO_OK)
+        iso_value_unit_read(path, &a->input, value_unit);
     TRY(status, choose_levels(a, &pyramid, &v, err));
     TRY(status, iso_subject_make_scene(&look, &pyramid, &scene, err));
     if (status == ISO_OK && pyramid.made_for)

@@ -44,10 +44,11 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
 
 static iso_status draw_slices(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
+    char value[32] = "value";
     iso_figure_subject s = {0};
     iso_figure_columns c = {.job = job,
                             .count = job->levels ? (size_t)job->levels : USUAL_LEVELS,
-                            .color_text = "value",
+                            .color_text = value,
                             .render = render,
                             .user = &s};
     const iso_status status = iso_figure_subject_load(&s, job, c.count, NULL, err);
@@ -55,6 +56,7 @@ static iso_status draw_slices(const iso_figure_job *job, iso_page *page, iso_err
         iso_figure_subject_end(&s);
         return status;
     }
+    iso_figure_value_text(job, value, sizeof value);
     const iso_level *level0 = &s.pyramid.levels[0];
     const iso_geometry *g = &level0->geometry;
     for (size_t i = 0; i < c.count; ++i)

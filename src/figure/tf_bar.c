@@ -2,11 +2,13 @@
 #include "figure/tf_bar.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "figure/page_text.h"
 #include "tf/color_space.h"
 #include "volume/unit.h"
+#include "volume/value_unit.h"
 
 static const double foot_mm = 11, bar_mm = 3, widest_mm = 60, edge_mm = 1.5, deep_units = 50;
 
@@ -24,6 +26,13 @@ double iso_figure_tf_unit_mm(const iso_tf_table *t)
 double iso_figure_opacity(double extinction_per_mm, double length_mm)
 {
     return -expm1(-extinction_per_mm * length_mm);
+}
+
+void iso_figure_value_text(const iso_figure_job *job, char *text, size_t size)
+{
+    char unit[ISO_VALUE_UNIT_BYTES];
+    iso_value_unit_read(job->input, &job->volume, unit);
+    snprintf(text, size, "value%s%s", unit[0] ? " in " : "", unit);
 }
 
 void iso_figure_tf_range(const iso_tf_table *t, const iso_level *level0, double range[2])
@@ -94,7 +103,9 @@ static iso_page_box foot_bar(const iso_page *page, const double range[2], double
 iso_figure_tf_foot iso_figure_tf_foot_of(const iso_figure_subject *s)
 {
     const iso_level *level0 = &s->pyramid.levels[0];
-    iso_figure_tf_foot foot = {.tf = level0->labels ? NULL : &s->tf, .of_level0 = s->job->adapted.wanted};
+    iso_figure_tf_foot foot = {.tf = level0->labels ? NULL : &s->tf,
+                               .job = s->job,
+                               .of_level0 = s->job->adapted.wanted};
     iso_figure_tf_range(&s->tf, level0, foot.range);
     return foot;
 }
@@ -106,13 +117,14 @@ double iso_figure_tf_foot_mm(const iso_figure_tf_foot *foot)
 
 void iso_figure_put_tf_foot(const iso_figure_tf_foot *foot, iso_page *page, double above_mm)
 {
-    char text[64], length[32];
+    char text[96], value[32], length[32];
     if (!(iso_figure_tf_foot_mm(foot) > 0))
         return;
     const double unit_mm = iso_figure_tf_unit_mm(foot->tf), bottom = iso_page_height(page) - above_mm;
     const iso_page_box box = foot_bar(page, foot->range, bottom - foot_mm + 1);
     iso_figure_put_tf_bar(page, &box, foot->tf, foot->range);
-    snprintf(text, sizeof text, "value (opacity of %s)", iso_unit_text(unit_mm, 3, length, sizeof length));
+    iso_figure_value_text(foot->job, value, sizeof value);
+    snprintf(text, sizeof text, "%s (opacity of %s)", value, iso_unit_text(unit_mm, 3, length, sizeof length));
     iso_page_put_text(page,
                       &(iso_page_text){.x = box.left,
                                        .y = bottom - 0.6 * iso_page_line_mm(page, ISO_PAGE_NOTE),

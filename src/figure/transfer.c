@@ -92,6 +92,7 @@ typedef struct place {
     double range[2]; /* of values */
     const iso_level *level0;
     bool first; /* True for the first, which has the histogram */
+    char value[32]; /* title of the axis of values */
 } place;
 
 static void put_upright(iso_page *page, double x, double y, const char *text)
@@ -118,7 +119,7 @@ static void put_transfer(iso_page *page, const place *at, const iso_tf_table *t)
     put_upright(page, at->box.left + 1.7, curve.top + 0.5 * curve.height, opacity);
     put_upright(page, right - 1.7, curve.top + 0.5 * curve.height, "voxels (log)");
     iso_page_text text = {curve.left + 0.5 * wide, bottom - 1.7, ISO_PAGE_NOTE, ISO_PAGE_CENTER, 0, NULL};
-    iso_page_put_text(page, &text, "value");
+    iso_page_put_text(page, &text, at->value);
     text.y = at->box.top + 0.5 * above_mm + 0.5 * title_mm;
     text.role = ISO_PAGE_TITLE;
     if (at->title) {
@@ -184,6 +185,7 @@ static iso_status put_all(const curves *c, const iso_figure_job *job, iso_page *
     place at = {.level0 = &c->subject.pyramid.levels[0]};
     /* One axis for all: values of a level are means of those of level 0. */
     iso_figure_tf_range(&c->views[0].tf, at.level0, at.range);
+    iso_figure_value_text(job, at.value, sizeof at.value);
     iso_page_set_size(page, job->width_mm, high * (double)rows);
     for (size_t i = 0; i < c->count; ++i) {
         char title[64];

@@ -30,32 +30,40 @@ const decodeArray = async (text, d) => {
     const whole = numbersOf(packed, d), numbers = d.kind === 'float' ? new Float32Array(whole.buffer) : whole;
     return {numbers, ranges: d.size && brickRanges(numbers, d.size)};
 };
-// The same in a worker, so that the page goes on; here if the browser forbids workers.
-const makeDecoder = () => {
-    const parts = {fromBase64, inflate, numbersOf, brickVoxels, brickRanges, decodeArray}, waiting = new Map();
-    const script = Object.entries(parts).map(([name, part]) => `const ${name} = ${part};\n`).join('') + `onmessage = ({data: {n, text, d}}) =>
-        decodeArray(text, d).then(done => postMessage({n, done}, [done.numbers.buffer]), problem => postMessage({n, problem: String(problem)}));`;
-    let worker = null, count = 0;
+// Tasks for a worker, which runs the page's own script, so that the page goes on.
+const tasks = {decode: (text, d) => decodeArray(text, d), open: (file, step, most) => readVolume(file, step, most)};
+const serve = () => {
+    onmessage = ({data: {n, name, words}}) => tasks[name](...words).then(
+        done => postMessage({n, done}, [done.numbers.buffer]), problem => postMessage({n, problem: problem.message}));
+};
+// run(name, ...words) does a task in the worker, or here if the browser forbids workers.
+const makeWorker = script => {
+    const waiting = new Map(), made = {count: 0, here: 0};
+    let worker = null;
+    const here = (name, words) => {
+        ++made.here;
+        return tasks[name](...words);
+    };
     const end = () => {
-        for (const {fail} of waiting.values()) fail();
+        for (const {take, name, words} of waiting.values()) take(here(name, words));
         waiting.clear();
         worker = null;
     };
     try {
         worker = new Worker(URL.createObjectURL(new Blob([script])));
         worker.onerror = end;
-        worker.onmessage = ({data: {n, done}}) => {
+        worker.onmessage = ({data: {n, done, problem}}) => {
             const {take, fail} = waiting.get(n);
             waiting.delete(n);
             if (done) take(done);
-            else fail();
+            else fail(new Error(problem));
         };
     } catch { /* forbidden */ }
-    return (text, d) => new Promise((take, fail) => {
-        if (!worker) return fail();
-        waiting.set(++count, {take, fail});
-        worker.postMessage({n: count, text, d});
-    }).catch(() => decodeArray(text, d));
+    made.run = (name, ...words) => !worker ? here(name, words) : new Promise((take, fail) => {
+        waiting.set(++made.count, {take, fail, name, words});
+        worker.postMessage({n: made.count, name, words});
+    });
+    return made;
 };
 
 // Drops an element and returns its text, taken in parts so that the page goes on. It would otherwise stay in memory; the
@@ -70,8 +78,8 @@ const takeText = async element => {
     element.remove();
     return new Blob(parts);
 };
-const readArray = async (decode, d, size) => {
+const readArray = async (worker, d, size) => {
     d.text = await takeText(document.getElementById(d.array));
-    return decode(d.text, {...d, text: undefined, size});
+    return worker.run('decode', d.text, {...d, text: undefined, size});
 };
 const megabytes = bytes => bytes >= 995e4 ? `${Math.round(bytes / 1e6)} MB` : bytes >= 995e2 ? `${(bytes / 1e6).toFixed(1)} MB` : `${Math.max(1, Math.round(bytes / 1e3))} kB`;

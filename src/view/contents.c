@@ -313,6 +313,8 @@ iso_status iso_contents_make(const iso_viewer *v, const iso_progress *progress, 
                   level0->has_no_data, "compact", v->compact, "adapted", v->adapted, "scene",
                   iso_scene_to_json(v->scene), "levels", levels, "codes", codes);
     json_object_set_new(root, "geometry", geometry_json(level0));
+    if (v->value_unit && v->value_unit[0])
+        json_object_set_new(root, "value_unit", json_string(v->value_unit));
     if (v->pyramid->segments)
         json_object_set(root, "segments", v->pyramid->segments);
     for (size_t i = 0; i < v->code_count; ++i)

@@ -29,6 +29,8 @@ const slider = (text, {min, max, step, value}, changed) => {
     return element('div', {className: 'slider'}, element('span', {textContent: text}), range, typed);
 };
 
+const inUnit = data => data.value_unit ? `, ${data.value_unit}` : '';
+
 // Makes controls again if their number changes. Keeps the keyboard focus on the control of the same name, or else on
 // its neighbor.
 const refill = (parent, ...children) => {

@@ -45,7 +45,7 @@ const makeEditor = (root, data, state, changed) => {
         parent.append(e);
         return e;
     };
-    const [width, height, base] = [320, 150, 132];
+    const [width, height, base] = [320, 162, 132];
     let chosen = 0, histogram = null, dragged = null, counted = null, joint = null;
     const domain = () => { const [lo, hi] = tfRange(state.tf, data.value_range), [a, b] = data.value_range; return [Math.min(lo, a), Math.max(hi, b)]; };
     const x = value => { const [lo, hi] = domain(); return 8 + (width - 16) * (value - lo) / ((hi - lo) || 1); };
@@ -93,6 +93,10 @@ const makeEditor = (root, data, state, changed) => {
         make('path', {d: `${curve}L${width - 8} ${base}L8 ${base}Z`, class: 'area', fill: 'url(#colors)'});
         make('path', {d: curve, class: 'curve'});
         make('rect', {x: 8, y: base + 4, width: width - 16, height: 8, fill: 'url(#colors)', class: 'bar'});
+        for (const [at, value, anchor] of [[8, lo, 'start'], [width - 8, hi, 'end']])
+            make('text', {x: at, y: base + 24, 'text-anchor': anchor, 'aria-hidden': true}).textContent = short(value);
+        make('text', {x: width / 2, y: base + 24, 'text-anchor': 'middle', 'aria-hidden': true}).textContent = `value${inUnit(data)}`;
+        fields.value.previousSibling.textContent = `value${inUnit(data)}`;
         points().forEach((p, i) => {
             const [cx, cy] = place(p), value = short(valueOf(state.tf, p, data.value_range)), c = make('circle', {cx, cy, r: 6, fill: hexOf(p), class: 'point', tabindex: 0, 'data-point': i,
                 role: 'slider', 'aria-label': `point ${i + 1} of ${points().length}, opacity ${short(p.opacity)}, value`,

@@ -4,7 +4,7 @@
 
 // Like form_of() of contents.c: integers of 16 bits unchanged, others as floats over the range. NaN is no data.
 const standInRanges = 2 ** 20; // ISO_STAND_IN_DEVICE
-const levelOfVolume = ({type, geometry, values}) => {
+const levelOfVolume = ({type, geometry, values, value_unit}) => {
     let min = Infinity, max = -Infinity, bad = 0, gaps = 0;
     for (const v of values) {
         if (Number.isNaN(v)) ++gaps;
@@ -19,18 +19,26 @@ const levelOfVolume = ({type, geometry, values}) => {
     for (let i = 0; i < values.length; ++i)
         numbers[i] = Number.isNaN(values[i]) ? -standInRanges : (values[i] - min) / (small ? 1 : range);
     const scalar = {kind: small ? 'integer' : 'float', zero: min, step: small ? 1 : range, packed: 0};
-    return {...geometry, has_no_data: gaps > 0, level: 0, min, max, labels: false, codes: [], numbers, scalar};
+    return {...geometry, value_unit, has_no_data: gaps > 0, level: 0, min, max, labels: false, codes: [], numbers, scalar};
 };
 
-const openFile = async (file, most) => {
+// One time step of a file, as a level. The bytes of the last file are kept for its other steps.
+let kept = {};
+const readVolume = async (file, step, most) => {
     if (file.size === 0) throw new Error('the file is empty');
-    const packed = new Uint8Array(await file.arrayBuffer()), isNrrd = String.fromCharCode(...packed.subarray(0, 4)) === 'NRRD';
-    const bytes = packed[0] === 0x1f && packed[1] === 0x8b ? await gunzip(packed) : packed;
-    const read = async step => isNrrd ? parseNrrd(bytes) : parseNifti(bytes, step);
-    const first = await read(0), level = levelOfVolume(first);
-    level.steps = first.steps ?? 1;
-    level.readStep = async step => levelOfVolume(await read(step));
+    const key = [file.name, file.size, file.lastModified].join();
+    if (kept.key !== key) {
+        const packed = new Uint8Array(await file.arrayBuffer());
+        kept = {key, bytes: packed[0] === 0x1f && packed[1] === 0x8b ? await gunzip(packed) : packed};
+    }
+    const {bytes} = kept, isNrrd = String.fromCharCode(...bytes.subarray(0, 4)) === 'NRRD';
+    const volume = isNrrd ? await parseNrrd(bytes) : parseNifti(bytes, step), level = levelOfVolume(volume);
     if (level.size.some(n => !(n > 0 && n <= most))) throw new Error(`a volume of ${level.size.join(' x ')}, limit of this browser's textures: ${most} per side`);
+    return {...level, steps: volume.steps ?? 1, ranges: brickRanges(level.numbers, level.size), window: usualWindow(level)};
+};
+const openFile = async (worker, file, most) => {
+    const level = await worker.run('open', file, 0, most);
+    level.readStep = step => worker.run('open', file, step, most);
     return level;
 };
 
@@ -47,10 +55,10 @@ const replaceVolume = (data, state, level, name) => {
     const laid = tf => laidOnRange(tf, data.value_range, data.mean_spacing_mm), presets = data.presets.map(p => ({...p, tf: laid(p.tf)}));
     state.tf = laid(state.tf);
     // isoshade may treat integers as labels, which are not interpolated.
-    const {is_patient, has_no_data, min, max} = level;
+    const {is_patient, has_no_data, min, max, value_unit} = level;
     Object.assign(data, {
         title: name, input: quoted(name) + ' --no-labels' + (level.steps > 1 ? ' --frame 0' : ''), levels: [level], codes: [], presets, geometry: level, geometry0: level,
-        segments: null, is_patient, has_no_data, value_range: [min, max], mean_spacing_mm: spacing,
+        segments: null, is_patient, has_no_data, value_unit, value_range: [min, max], mean_spacing_mm: spacing,
     });
     const plain = {level: 0, code: null, adapted: false};
     Object.assign(state, {...plain, b: plain, compare: 'none', clips: [], roi: null, tfName: 'scene', edited: null});
@@ -62,9 +70,9 @@ const replaceVolume = (data, state, level, name) => {
 
 // Shows another time step. The transfer function keeps its values.
 const changeStep = async (data, state, caster, step) => {
-    const [level] = data.levels, {numbers, scalar, min, max, has_no_data} = await level.readStep(step);
+    const [level] = data.levels, {numbers, scalar, min, max, has_no_data, ranges, window} = await level.readStep(step);
     caster.forget(data.levels);
-    Object.assign(level, {numbers, scalar, min, max, window: undefined, ranges: undefined, shownStep: step});
+    Object.assign(level, {numbers, scalar, min, max, window, ranges, shownStep: step});
     Object.assign(data, {has_no_data, input: data.input.replace(/( --frame \d+)?$/, ` --frame ${step}`)});
 };
 

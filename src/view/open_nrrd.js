@@ -62,5 +62,6 @@ const parseNrrd = async bytes => {
     const scales = [['scale_slope', 'scale_intercept'], ['nifti_scl_slope', 'nifti_scl_inter']].map(names => names.map(n => Number(key[n] ?? 0)));
     const [slope, intercept] = scales.findLast(([s, i]) => s && Number.isFinite(s) && Number.isFinite(i)) ?? [1, 0];
     const inSpace = field.space !== undefined || field.spacedimension !== undefined;
-    return {geometry: (inSpace ? orientedNrrd : plainNrrd)(field, size), ...decodeSamples(samples, offset, size, type, (field.endian ?? 'little').toLowerCase() === 'little', slope, intercept)};
+    const value_unit = (field.sampleunits ?? '').replace(/^"([^"]*)"$/, '$1').slice(0, 15);
+    return {value_unit, geometry: (inSpace ? orientedNrrd : plainNrrd)(field, size), ...decodeSamples(samples, offset, size, type, (field.endian ?? 'little').toLowerCase() === 'little', slope, intercept)};
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // orbit.js - pointer input on the picture: one finger or the left button orbits, two fingers or the right button pan
 // and zoom.
-const makeOrbit = (canvas, state, frames) => {
+// clicked(place), on a click or Enter, takes a point of the picture, 0 to 1 to the right and downwards.
+const makeOrbit = (canvas, state, frames, clicked) => {
     const pointers = new Map();
     const move = camera => { state.camera = camera; frames.ask(true); };
     const height = () => canvas.getBoundingClientRect().height;
@@ -12,7 +13,7 @@ const makeOrbit = (canvas, state, frames) => {
     canvas.addEventListener('pointerdown', e => {
         canvas.setPointerCapture(e.pointerId);
         canvas.focus({preventScroll: true});
-        pointers.set(e.pointerId, {x: e.clientX, y: e.clientY, button: e.button, line: onLine(e)});
+        pointers.set(e.pointerId, {x: e.clientX, y: e.clientY, from: [e.clientX, e.clientY], button: e.button, line: onLine(e)});
     });
     canvas.addEventListener('pointermove', e => {
         const p = pointers.get(e.pointerId);
@@ -34,10 +35,17 @@ const makeOrbit = (canvas, state, frames) => {
             move(orbited(state.camera, dx / height() * Math.PI, dy / height() * Math.PI));
         }
     });
+    canvas.addEventListener('pointerup', e => {
+        const p = pointers.get(e.pointerId), box = canvas.getBoundingClientRect();
+        const isStill = p && Math.hypot(e.clientX - p.from[0], e.clientY - p.from[1]) < 4;
+        if (isStill && pointers.size === 1 && p.button === 0 && !p.line)
+            clicked([(e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height]);
+    });
     for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, e => pointers.delete(e.pointerId));
     canvas.addEventListener('contextmenu', e => e.preventDefault());
     canvas.addEventListener('wheel', e => { e.preventDefault(); move(zoomed(state.camera, Math.exp(-e.deltaY * (e.deltaMode ? 0.05 : 0.0015)))); }, {passive: false});
     canvas.addEventListener('keydown', e => {
+        if (e.key === 'Enter') clicked([0.5, 0.5]);
         const turn = Math.PI / 24, [dx, dy] = {ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[e.key] || [0, 0];
         const camera = dx || dy ? (e.shiftKey ? panned(state.camera, 0.05 * dx, 0.05 * dy) : orbited(state.camera, turn * dx, turn * dy))
             : e.key === '+' || e.key === '=' ? zoomed(state.camera, 1.1) : e.key === '-' ? zoomed(state.camera, 1 / 1.1)

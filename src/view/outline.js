@@ -18,10 +18,10 @@ const makeOutline = (svg, data, state, frames) => {
         const g = data.geometry0, inWorld = ends => ends.map(index => toWorld(g, index)), lines = [];
         const inBox = corner => corner.map((end, a) => state.roi.box[end][a] * g.box_index[a]);
         if (state.roi) lines.push(...edgesOfBox.map(ends => inWorld(ends.map(inBox))));
+        if (state.measure?.length === 2) lines.push(state.measure);
         if (!state.slices) return lines;
         const cross = toIndex(g, state.cross), at = (axis, x) => cross.map((c, a) => a === axis ? x : c);
         lines.push(...[0, 1, 2].map(axis => inWorld([at(axis, 0), at(axis, g.box_index[axis])])));
-        if (state.measure?.length === 2) lines.push(state.measure);
         return lines;
     };
     return () => {

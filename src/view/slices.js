@@ -56,7 +56,8 @@ const makeCell = on => {
     return {root, canvas, svg, name, letters, plane};
 };
 
-const makeSlices = (root, data, state, moved) => {
+// tableAt(level, request): the transfer function as a table. worker: reads files.
+const makeSlices = (root, data, state, tableAt, worker, moved) => {
     const $ = id => document.getElementById(id);
     let drawn = '', hovered = null;
     const shown = () => { // the level of the picture, or the finest one that is read if that is in bricks
@@ -89,17 +90,18 @@ const makeSlices = (root, data, state, moved) => {
         if (!isInside(level, index)) return '';
         const value = voxelValue(level, voxel), name = data.segments?.find(s => s.label === value)?.name;
         const of = level.level ? ` of level ${level.level}` : '', named = name ? ` ${name}` : '';
-        const text = Number.isNaN(value) ? 'no data' : Number(value.toPrecision(7)) + named, over = data.overlay;
+        const digits = `${Number(value.toPrecision(7))}${data.value_unit && !named ? ` ${data.value_unit}` : ''}`;
+        const text = Number.isNaN(value) ? 'no data' : digits + named, over = data.overlay;
         const other = over ? ` · ${over.name} ${Number(valueThere(over.level, point).toPrecision(7))}` : '';
         return `voxel ${voxel.join(' ')}${of} · ${point.map(x => x.toFixed(2)).join(', ')} mm · ${text}${other}`;
     };
     const lengthText = () => {
         const points = state.measure;
         if (points?.length === 2) return `length ${length(subtract(points[1], points[0])).toFixed(2)} mm`;
-        return points ? `Click ${points.length ? 'the second point' : 'two points'}; Enter takes the crosshair.` : '';
+        return points ? `Click ${points.length ? 'the second point' : 'two points'}; Enter takes the ${state.slices ? 'crosshair' : 'middle'}.` : '';
     };
     const tell = () => {
-        $('readout').textContent = about(hovered ?? state.cross);
+        $('readout').textContent = state.slices ? about(hovered ?? state.cross) : lengthText();
         $('length').textContent = lengthText();
     };
 
@@ -157,7 +159,7 @@ const makeSlices = (root, data, state, moved) => {
     const draw = () => {
         root.classList.toggle('four', state.slices);
         $('slices').setAttribute('aria-pressed', state.slices);
-        $('readout').hidden = !state.slices;
+        $('readout').hidden = !state.slices && !state.measure;
         tell();
         if (!state.slices) return;
         const level = shown(), {cross, measure, neurological, colors, tf} = state;
@@ -196,11 +198,11 @@ const makeSlices = (root, data, state, moved) => {
         const measure = element('button', {type: 'button', textContent: text});
         measure.addEventListener('click', () => {
             if (state.measure) return endMeasuring();
-            Object.assign(state, {measure: [], slices: true});
+            state.measure = [];
             panel();
             moved();
         });
-        refill($('slicing'), bound('black', 0), bound('white', 1), check('colors of the transfer function', 'colors'),
+        refill($('slicing'), bound(`black${inUnit(data)}`, 0), bound(`white${inUnit(data)}`, 1), check('colors of the transfer function', 'colors'),
             ...(data.is_patient ? [check("the patient's right at the right", 'neurological')] : []),
             element('div', {className: 'buttons'}, measure), ...overlayPanel());
         tell();
@@ -209,7 +211,7 @@ const makeSlices = (root, data, state, moved) => {
     const overlayPanel = () => {
         const over = data.overlay, file = element('input', {type: 'file', accept: '.nrrd,.nii,.gz'});
         file.addEventListener('change', () => takeFile(file.files[0], async chosen => {
-            data.overlay = overlayOf(await openFile(chosen, Infinity), chosen.name);
+            data.overlay = overlayOf(await openFile(worker, chosen, Infinity), chosen.name);
             state.slices = true;
             panel();
             moved();
@@ -237,5 +239,15 @@ const makeSlices = (root, data, state, moved) => {
         if (large) large.root.classList.remove('large');
         else if (state.measure) endMeasuring();
     };
-    return {draw, panel, shown, leave};
+    // Takes the point under a pixel of the picture as an end of a length.
+    const pick = (camera, aspect, place) => {
+        const q = {...requestOf(data, state, 'a'), camera}, level = shown();
+        return pickedPoint(q, level, tableAt(level, q), data.geometry0, aspect, place);
+    };
+    const clicked = (camera, aspect, place) => {
+        const point = state.measure && pick(camera, aspect, place);
+        if (point) mark(point);
+        else if (state.measure) $('readout').textContent = 'The picture is not opaque there: the opacity stays below a half.';
+    };
+    return {draw, panel, shown, leave, pick, clicked};
 };

@@ -6,7 +6,7 @@ const say = (...parts) => {
     message.hidden = !message.firstElementChild.textContent;
 };
 const start = async () => {
-    const page = keepPage();
+    const worker = makeWorker(document.currentScript.textContent), page = keepPage();
     const $ = id => document.getElementById(id), data = JSON.parse($('data').textContent), canvas = $('picture');
     $('close-message').onclick = () => { say(''); canvas.focus(); };
     const inAddress = () => new URLSearchParams(location.hash.slice(1));
@@ -44,7 +44,7 @@ const start = async () => {
     outline = makeOutline($('outline'), data, state, frames);
     const editor = makeEditor($('editor'), data, state, moving => { controls?.showPreset(); frames.ask(moving); });
 
-    const decode = makeDecoder(), read = (d, size) => readArray(decode, d, size);
+    const read = (d, size) => readArray(worker, d, size);
     const readLevel = async level => {
         if (level.isPlan) return readPlan(level, read);
         const {numbers, ranges} = await read(level.scalar, level.size);
@@ -67,7 +67,7 @@ const start = async () => {
         frames.ask();
     });
     await readLevel(data.levels[0]);
-    slices = makeSlices(canvas.closest('.frame'), data, state, () => { outline(); slices.draw(); noteSoon(); });
+    slices = makeSlices(canvas.closest('.frame'), data, state, (level, q) => caster.tableOf(level, q.tf, q.adapted && level.level > 0), worker, () => { outline(); slices.draw(); noteSoon(); });
     // Escape leaves one thing after the other, the topmost first; the keyboard goes back to where that was opened.
     addEventListener('keydown', e => {
         if (e.key !== 'Escape' || e.defaultPrevented) return;
@@ -116,12 +116,15 @@ const start = async () => {
     edits = makeHistory(data, state, showState);
     editor.count(data.levels[0]);
     slices.panel();
-    makeOrbit(canvas, state, frames);
+    makeOrbit(canvas, state, frames, place => {
+        const [width, height] = frames.size();
+        slices.clicked(frames.camera(width / height), width / height, place);
+    });
     new ResizeObserver(() => frames.ask()).observe(canvas);
     // For tests and `validate`.
-    window.isoshade = {data, state, frames, editor, controls, context, caster, edits, page, slices};
+    window.isoshade = {data, state, frames, editor, controls, context, caster, edits, page, slices, worker};
     acceptFiles(canvas.closest('.frame'), $('open'), async file => {
-        const level = await openFile(file, context.most), old = data.levels;
+        const level = await openFile(worker, file, context.most), old = data.levels;
         await frames.settled();
         caster.forget(old);
         data.toStep = async step => {
@@ -153,4 +156,5 @@ const start = async () => {
     $('save-page').disabled = false;
     document.documentElement.dataset.ready = 'yes';
 };
-start().catch(problem => { say(`This page could not be shown: ${problem.message}`); document.documentElement.dataset.failed = problem.message; throw problem; });
+if (typeof document === 'undefined') serve();
+else start().catch(problem => { say(`This page could not be shown: ${problem.message}`); document.documentElement.dataset.failed = problem.message; throw problem; });

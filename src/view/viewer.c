@@ -31,6 +31,7 @@ ISO_EMBED(iso_viewer_frames_js, "src/view/frames.js");
 ISO_EMBED(iso_viewer_state_js, "src/view/state.js");
 ISO_EMBED(iso_viewer_orbit_js, "src/view/orbit.js");
 ISO_EMBED(iso_viewer_planes_js, "src/view/planes.js");
+ISO_EMBED(iso_viewer_pick_js, "src/view/pick.js");
 ISO_EMBED(iso_viewer_slices_js, "src/view/slices.js");
 ISO_EMBED(iso_viewer_outline_js, "src/view/outline.js");
 ISO_EMBED(iso_viewer_editor_js, "src/view/editor.js");
@@ -85,7 +86,7 @@ static void put_script(FILE *f)
         iso_viewer_adapt_js, iso_viewer_occupancy_js, iso_viewer_context_js, iso_viewer_textures_js,
         iso_viewer_bricks_js, iso_viewer_caster_js, iso_viewer_frames_js, iso_viewer_state_js, iso_viewer_orbit_js,
         iso_viewer_planes_js, iso_viewer_outline_js, iso_viewer_editor_js, iso_viewer_save_js, iso_viewer_controls_js,
-        iso_viewer_slices_js, iso_viewer_open_samples_js, iso_viewer_open_nrrd_js, iso_viewer_open_nifti_js,
+        iso_viewer_pick_js, iso_viewer_slices_js, iso_viewer_open_samples_js, iso_viewer_open_nrrd_js, iso_viewer_open_nifti_js,
         iso_viewer_open_js, iso_viewer_start_js,
     };
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)

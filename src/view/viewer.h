@@ -33,6 +33,7 @@ typedef struct iso_viewer {
     const iso_scene *scene;
     const char *title;       /* name of the volume */
     const char *input;       /* its file and the options that read it, as on a command line: "a.nii --frame 3" */
+    const char *value_unit;  /* of values, "HU"; or NULL */
     const char *folder;      /* of the pyramid on disk, which keeps joint histograms; or NULL */
     size_t first, last;      /* finest and coarsest level of the page */
     size_t code_count;       /* codes of the page; those other than the pyramid's need its floats */
