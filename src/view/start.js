@@ -125,6 +125,7 @@ const start = async () => {
     window.isoshade = {data, state, frames, editor, controls, context, caster, edits, page, slices, worker};
     acceptFiles(canvas.closest('.frame'), $('open'), async file => {
         const level = await openFile(worker, file, context.most), old = data.levels;
+        await caster.prepare(level, level.numbers, null);
         await frames.settled();
         caster.forget(old);
         data.toStep = async step => {
