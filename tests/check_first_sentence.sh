@@ -53,7 +53,8 @@ while read -r name cause; do
     "$ISOSHADE" validate v.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --quick --levels 1 --size 12 \
         --with "$name" --renderers r.json -q -o "$name" >/dev/null 2>&1 </dev/null
     sentence=$(python3 -c 'import json, sys; print(json.load(open(sys.argv[1] + "/report.json"))["sentence"])' "$name")
-    check "$name" grep -qE "^$name draws as if $cause \(explains (100|99[.0-9]*) % of the difference\): $size\. " <<<"$sentence"
+    explained='\(explains (100|99[.0-9]*) % of the difference\)'
+    check "$name" grep -qE "^$name draws as if $cause $explained: $size\. " <<<"$sentence"
 done <<'END'
 shift the volume stood half a voxel off against all axes
 gamma the picture were in sRGB

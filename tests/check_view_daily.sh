@@ -56,8 +56,9 @@ check and_that_is_noticed grep -qx 'files_are_read_beside_the_page false' out
 
 # Lengths in the picture, and units.
 "$ISOSHADE" make constant --size 10x10x10 -q -o constant.nrrd
+white='"r": 1, "g": 1, "b": 1, "opacity": 0.3'
 printf '{"schema": "isoshade.tf/1", "range": [0, 1], "unit_distance_mm": 2, "color_space": "linear", "points": [%s]}' \
-    '{"value": 0, "r": 1, "g": 1, "b": 1, "opacity": 0.3}, {"value": 1, "r": 1, "g": 1, "b": 1, "opacity": 0.3}' >constant.tf.json
+    "{\"value\": 0, $white}, {\"value\": 1, $white}" >constant.tf.json
 "$ISOSHADE" view constant.nrrd --tf constant.tf.json -q -o constant.html || failed=1
 expect points_of_the_picture_are_picked 0 daily picked constant.html
 all_true picked 7

@@ -210,28 +210,31 @@ def picked(path):
         page.evaluate("(e => { e.value = 'orthographic'; e.dispatchEvent(new Event('change')); })"
                       "(document.querySelector('#projection select'))")
         page.evaluate("isoshade.frames.settled()")
-        page.evaluate("[...document.querySelectorAll('#slicing button')].find(b => b.textContent === 'measure a length').click()")
-        left, top, width, height = page.evaluate("(b => [b.x, b.y, b.width, b.height])(document.getElementById('picture')"
-                                                 ".getBoundingClientRect())")
+        page.evaluate("document.querySelector('#slicing .buttons button').click()")
+        left, top, width, height = page.evaluate("(b => [b.x, b.y, b.width, b.height])"
+                                                 "(document.getElementById('picture').getBoundingClientRect())")
         mm = 2 * page.evaluate("isoshade.frames.camera(1).half") / height  # of a pixel
-        ends = [(round(left + width / 2 + dx / mm), round(top + height / 2 + dy / mm)) for dx, dy in ((-3, 2), (2.5, -2))]
+        x, y = left + width / 2, top + height / 2
+        ends = [(round(x + dx / mm), round(y + dy / mm)) for dx, dy in ((-3, 2), (2.5, -2))]
         for at in ends:
             page.drag(at, at, steps=1)
         points = page.evaluate("isoshade.state.measure")
         face = page.evaluate("isoshade.data.geometry0.origin_mm[1]") + 10  # it looks against y
         off = max(abs(face - depth - p[1]) for p in points)
-        say("points_lie_where_opacity_passes_a_half", off <= 0.01)  # midpoints of a constant are exact; floats of a table
+        say("points_lie_where_opacity_passes_a_half", off <= 0.01)  # midpoints of a constant are exact
         say("a_half_of_that_depth_is_noticed", max(abs(face - depth / 2 - p[1]) for p in points) > 0.01)
         text = page.evaluate("document.getElementById('length').textContent")
         length = mm * math.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
         say("the_length_is_that_between_the_pixels", abs(float(text.split()[1]) - length) <= 0.02)
-        say("it_is_in_the_picture", page.evaluate("document.querySelector('#outline path').getAttribute('d')").count("M") == 1)
+        line = page.evaluate("document.querySelector('#outline path').getAttribute('d')")
+        say("it_is_in_the_picture", line.count("M") == 1)
         say("a_drag_still_orbits", orbits(page, ends))
         page.evaluate("isoshade.state.measure = []")
         corner = (round(left + 3), round(top + 3))
         page.drag(corner, corner, steps=1)
         said = page.evaluate("document.getElementById('readout').textContent")
-        say("beside_the_volume_nothing_is_picked", "not opaque" in said and page.evaluate("isoshade.state.measure.length") == 0)
+        count = page.evaluate("isoshade.state.measure.length")
+        say("beside_the_volume_nothing_is_picked", "not opaque" in said and count == 0)
         say("no_exception", not any(e["method"] == "Runtime.exceptionThrown" for e in page.events))
 
 
@@ -247,13 +250,14 @@ def unit(path, file, name):
     with Chromium(size=(900, 700)) as page:
         load(page, path)
         for of in ("the_page", "an_opened_file"):
-            page.evaluate("document.getElementById('slices').getAttribute('aria-pressed') === 'true' || document.getElementById('slices').click()")
+            page.evaluate("isoshade.state.slices || document.getElementById('slices').click()")
             page.evaluate("new Promise(done => setTimeout(done, 100)).then(() => isoshade.slices.draw())")
             said = page.evaluate("document.getElementById('readout').textContent")
             say(f"{of}_has_it_under_the_cursor", bool(re.search(rf"mm · -?[\d.]+ {name}$", said)))
             axis = page.evaluate("[...document.querySelectorAll('#editor svg text')].map(t => t.textContent)")
-            range_ = page.evaluate("isoshade.data.value_range")
-            say(f"{of}_has_it_at_the_axis", axis[2] == f"value, {name}" and float(axis[0]) <= range_[0] and float(axis[1]) >= range_[1] * 0.999)
+            lo, hi = page.evaluate("isoshade.data.value_range")
+            ends = float(axis[0]) <= lo and float(axis[1]) >= hi * 0.999  # four digits
+            say(f"{of}_has_it_at_the_axis", axis[2] == f"value, {name}" and ends)
             label = page.evaluate("document.querySelector('[data-field=value]').closest('label').textContent")
             say(f"{of}_has_it_at_the_field", label == f"value, {name}")
             choose(page, "#open", file)

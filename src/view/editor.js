@@ -93,10 +93,11 @@ const makeEditor = (root, data, state, changed) => {
         make('path', {d: `${curve}L${width - 8} ${base}L8 ${base}Z`, class: 'area', fill: 'url(#colors)'});
         make('path', {d: curve, class: 'curve'});
         make('rect', {x: 8, y: base + 4, width: width - 16, height: 8, fill: 'url(#colors)', class: 'bar'});
+        const title = `value${inUnit(data)}`, below = {y: base + 24, 'aria-hidden': true};
         for (const [at, value, anchor] of [[8, lo, 'start'], [width - 8, hi, 'end']])
-            make('text', {x: at, y: base + 24, 'text-anchor': anchor, 'aria-hidden': true}).textContent = short(value);
-        make('text', {x: width / 2, y: base + 24, 'text-anchor': 'middle', 'aria-hidden': true}).textContent = `value${inUnit(data)}`;
-        fields.value.previousSibling.textContent = `value${inUnit(data)}`;
+            make('text', {...below, x: at, 'text-anchor': anchor}).textContent = short(value);
+        make('text', {...below, x: width / 2, 'text-anchor': 'middle'}).textContent = title;
+        fields.value.previousSibling.textContent = title;
         points().forEach((p, i) => {
             const [cx, cy] = place(p), value = short(valueOf(state.tf, p, data.value_range)), c = make('circle', {cx, cy, r: 6, fill: hexOf(p), class: 'point', tabindex: 0, 'data-point': i,
                 role: 'slider', 'aria-label': `point ${i + 1} of ${points().length}, opacity ${short(p.opacity)}, value`,

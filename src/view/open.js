@@ -19,7 +19,8 @@ const levelOfVolume = ({type, geometry, values, value_unit}) => {
     for (let i = 0; i < values.length; ++i)
         numbers[i] = Number.isNaN(values[i]) ? -standInRanges : (values[i] - min) / (small ? 1 : range);
     const scalar = {kind: small ? 'integer' : 'float', zero: min, step: small ? 1 : range, packed: 0};
-    return {...geometry, value_unit, has_no_data: gaps > 0, level: 0, min, max, labels: false, codes: [], numbers, scalar};
+    const about = {value_unit, has_no_data: gaps > 0, level: 0, min, max, labels: false, codes: []};
+    return {...geometry, ...about, numbers, scalar};
 };
 
 // One time step of a file, as a level. The bytes of the last file are kept for its other steps.
@@ -34,7 +35,8 @@ const readVolume = async (file, step, most) => {
     const {bytes} = kept, isNrrd = String.fromCharCode(...bytes.subarray(0, 4)) === 'NRRD';
     const volume = isNrrd ? await parseNrrd(bytes) : parseNifti(bytes, step), level = levelOfVolume(volume);
     if (level.size.some(n => !(n > 0 && n <= most))) throw new Error(`a volume of ${level.size.join(' x ')}, limit of this browser's textures: ${most} per side`);
-    return {...level, steps: volume.steps ?? 1, ranges: brickRanges(level.numbers, level.size), window: usualWindow(level)};
+    const ranges = brickRanges(level.numbers, level.size), steps = volume.steps ?? 1;
+    return {...level, steps, ranges, window: usualWindow(level)};
 };
 const openFile = async (worker, file, most) => {
     const level = await worker.run('open', file, 0, most);

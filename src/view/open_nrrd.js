@@ -63,5 +63,6 @@ const parseNrrd = async bytes => {
     const [slope, intercept] = scales.findLast(([s, i]) => s && Number.isFinite(s) && Number.isFinite(i)) ?? [1, 0];
     const inSpace = field.space !== undefined || field.spacedimension !== undefined;
     const value_unit = (field.sampleunits ?? '').replace(/^"([^"]*)"$/, '$1').slice(0, 15);
-    return {value_unit, geometry: (inSpace ? orientedNrrd : plainNrrd)(field, size), ...decodeSamples(samples, offset, size, type, (field.endian ?? 'little').toLowerCase() === 'little', slope, intercept)};
+    const isLittle = (field.endian ?? 'little').toLowerCase() === 'little', geometry = (inSpace ? orientedNrrd : plainNrrd)(field, size);
+    return {value_unit, geometry, ...decodeSamples(samples, offset, size, type, isLittle, slope, intercept)};
 };

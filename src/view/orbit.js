@@ -13,7 +13,8 @@ const makeOrbit = (canvas, state, frames, clicked) => {
     canvas.addEventListener('pointerdown', e => {
         canvas.setPointerCapture(e.pointerId);
         canvas.focus({preventScroll: true});
-        pointers.set(e.pointerId, {x: e.clientX, y: e.clientY, from: [e.clientX, e.clientY], button: e.button, line: onLine(e)});
+        const [x, y] = [e.clientX, e.clientY];
+        pointers.set(e.pointerId, {x, y, from: [x, y], button: e.button, line: onLine(e)});
     });
     canvas.addEventListener('pointermove', e => {
         const p = pointers.get(e.pointerId);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// pick.js - the point under a pixel: where the opacity of the ray passes a half, by midpoints of the picture's own step.
+// pick.js - the point under a pixel, at which the ray's opacity passes a half: by midpoints of the picture's own step.
 
 // The ray through a point of the picture, 0 to 1 to the right and downwards, in world coordinates.
 const rayThrough = (camera, aspect, [x, y]) => {
@@ -8,7 +8,7 @@ const rayThrough = (camera, aspect, [x, y]) => {
     return camera.orthographic ? {from: add(camera.position, offset), along: forward}
         : {from: camera.position, along: normalize(add(forward, offset))};
 };
-// Distances between which the ray is in the box and on the kept side of all clip planes; empty if the first is not less.
+// Distances between which the ray is in the box and on the kept side of all clip planes.
 const spanOf = (level, clips, from, along) => {
     let near = 0, far = Infinity;
     const cut = (above, rate) => { // stays where above + rate t >= 0
@@ -29,12 +29,13 @@ const numberAt = (level, index) => {
         const [x, y, z] = voxelAt(level, index);
         return numbers[x + nx * (y + ny * z)];
     }
-    const q = index.map((v, a) => clamp(v - 0.5, 0, size[a] - 1)), [x, y, z] = q.map(Math.floor), f = q.map(v => v - Math.floor(v));
+    const q = index.map((v, a) => clamp(v - 0.5, 0, size[a] - 1)), [x, y, z] = q.map(Math.floor);
+    const [fx, fy, fz] = q.map(v => v - Math.floor(v)), mix = (a, b, f) => (1 - f) * a + f * b;
     const row = (j, k) => {
         const at = nx * (Math.min(j, ny - 1) + ny * Math.min(k, nz - 1));
-        return (1 - f[0]) * numbers[at + x] + f[0] * numbers[at + Math.min(x + 1, nx - 1)];
+        return mix(numbers[at + x], numbers[at + Math.min(x + 1, nx - 1)], fx);
     };
-    return (1 - f[2]) * ((1 - f[1]) * row(y, z) + f[1] * row(y + 1, z)) + f[2] * ((1 - f[1]) * row(y, z + 1) + f[1] * row(y + 1, z + 1));
+    return mix(mix(row(y, z), row(y + 1, z), fy), mix(row(y, z + 1), row(y + 1, z + 1), fy), fz);
 };
 
 // Null if the ray stays more transparent. q: a request with its camera.

@@ -98,7 +98,8 @@ const makeSlices = (root, data, state, tableAt, worker, moved) => {
     const lengthText = () => {
         const points = state.measure;
         if (points?.length === 2) return `length ${length(subtract(points[1], points[0])).toFixed(2)} mm`;
-        return points ? `Click ${points.length ? 'the second point' : 'two points'}; Enter takes the ${state.slices ? 'crosshair' : 'middle'}.` : '';
+        const wanted = points?.length ? 'the second point' : 'two points', there = state.slices ? 'crosshair' : 'middle';
+        return points ? `Click ${wanted}; Enter takes the ${there}.` : '';
     };
     const tell = () => {
         $('readout').textContent = state.slices ? about(hovered ?? state.cross) : lengthText();
@@ -202,7 +203,8 @@ const makeSlices = (root, data, state, tableAt, worker, moved) => {
             panel();
             moved();
         });
-        refill($('slicing'), bound(`black${inUnit(data)}`, 0), bound(`white${inUnit(data)}`, 1), check('colors of the transfer function', 'colors'),
+        refill($('slicing'), bound(`black${inUnit(data)}`, 0), bound(`white${inUnit(data)}`, 1),
+            check('colors of the transfer function', 'colors'),
             ...(data.is_patient ? [check("the patient's right at the right", 'neurological')] : []),
             element('div', {className: 'buttons'}, measure), ...overlayPanel());
         tell();
@@ -247,7 +249,7 @@ const makeSlices = (root, data, state, tableAt, worker, moved) => {
     const clicked = (camera, aspect, place) => {
         const point = state.measure && pick(camera, aspect, place);
         if (point) mark(point);
-        else if (state.measure) $('readout').textContent = 'The picture is not opaque there: the opacity stays below a half.';
+        else if (state.measure) $('readout').textContent = 'not opaque there: the opacity stays below a half';
     };
     return {draw, panel, shown, leave, pick, clicked};
 };

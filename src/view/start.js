@@ -67,7 +67,9 @@ const start = async () => {
         frames.ask();
     });
     await readLevel(data.levels[0]);
-    slices = makeSlices(canvas.closest('.frame'), data, state, (level, q) => caster.tableOf(level, q.tf, q.adapted && level.level > 0), worker, () => { outline(); slices.draw(); noteSoon(); });
+    const tableAt = (level, q) => caster.tableOf(level, q.tf, q.adapted && level.level > 0);
+    const moved = () => { outline(); slices.draw(); noteSoon(); };
+    slices = makeSlices(canvas.closest('.frame'), data, state, tableAt, worker, moved);
     // Escape leaves one thing after the other, the topmost first; the keyboard goes back to where that was opened.
     addEventListener('keydown', e => {
         if (e.key !== 'Escape' || e.defaultPrevented) return;
@@ -158,4 +160,8 @@ const start = async () => {
     document.documentElement.dataset.ready = 'yes';
 };
 if (typeof document === 'undefined') serve();
-else start().catch(problem => { say(`This page could not be shown: ${problem.message}`); document.documentElement.dataset.failed = problem.message; throw problem; });
+else start().catch(problem => {
+    say(`This page could not be shown: ${problem.message}`);
+    document.documentElement.dataset.failed = problem.message;
+    throw problem;
+});

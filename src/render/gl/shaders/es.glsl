@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // es.glsl - definitions that GLSL ES 3.00 lacks, so that WebGL2 compiles the same sources. It precedes them, after #version.
-// Doubles are missing: a ray is set up in floats, up to 4 x 2^-24 of the distance from the eye off (validate/rounding.h).
+// Doubles are missing: a ray is set up in floats, 4 x 2^-24 of the distance from the eye off (validate/rounding.h).
 precision highp float;
 precision highp int;
 precision highp sampler2D;
