@@ -70,6 +70,12 @@ all_true unit 6
 sed 's/"value_unit":"HU"/"value_unit":"XU"/' hu.html >xu.html
 daily unit xu.html hu.nrrd HU >out
 check another_unit_is_noticed grep -qx 'the_page_has_it_under_the_cursor false' out
+for kind in tf levels; do
+    "$ISOSHADE" figure hu.nrrd --kind $kind --size 24 -q -o $kind >/dev/null 2>&1
+    check figures_of_${kind}_have_the_unit grep -q '>value in HU' $kind/figure.svg
+done
+"$ISOSHADE" figure noise.nrrd --kind tf -q -o none >/dev/null 2>&1
+check a_figure_without_a_unit_has_none grep -q '>value<' none/figure.svg
 expect a_context_is_lost 0 daily lost patient.html
 all_true lost 4
 "$ISOSHADE" view patient.nii --compact -q -o compact.html || failed=1
