@@ -20,14 +20,14 @@ COARSER = """def coarser(g):
     return total / count
 
 """
-DISPLAY = """    c = np.maximum(rgba[..., :3], 0)
-    srgb = np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055)
-    rgba = np.concatenate((srgb, rgba[..., 3:]), -1)
+DISPLAY = """    c = np.maximum(rgba[:, :3], 0)
+    rgba[:, :3] = np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055)
+    return rgba.reshape(h, w, 4)
 """
 LEAST = "np.linalg.norm(np.array(v['index_to_world'])[:, :3], axis=0).min()"
 faults = {
     "shift": [("np.clip(p - 0.5,", "np.clip(p,")],
-    "gamma": [("    h, w = rgba.shape[:2]\n", DISPLAY + "    h, w = rgba.shape[:2]\n")],
+    "gamma": [("    return rgba.reshape(h, w, 4)\n", DISPLAY)],
     "sign": [("shade(r, field[:, 1:]", "shade(r, field[:, 1:] * (1, 1, -1)")],
     "units": [("-sigma * (b - a)[i]", "-sigma * (b - a)[i] / " + LEAST)],
     "level": [("np.clip(p - 0.5,", "np.clip(p / 2 - 0.5,"), ("if __name__", COARSER + "if __name__"),
