@@ -30,8 +30,9 @@ double iso_figure_opacity(double extinction_per_mm, double length_mm)
 
 void iso_figure_value_text(const iso_figure_job *job, char *text, size_t size)
 {
-    char unit[ISO_VALUE_UNIT_BYTES];
-    iso_value_unit_read(job->input, &job->volume, unit);
+    char unit[ISO_VALUE_UNIT_BYTES] = "";
+    if (job)
+        iso_value_unit_read(job->input, &job->volume, unit);
     snprintf(text, size, "value%s%s", unit[0] ? " in " : "", unit);
 }
 

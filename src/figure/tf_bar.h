@@ -9,7 +9,7 @@
 double iso_figure_tf_unit_mm(const iso_tf_table *t);
 /* Returns 1 - exp(-extinction * length). */
 double iso_figure_opacity(double extinction_per_mm, double length_mm);
-/* Writes "value", with the volume's unit if it has one: "value in HU". */
+/* Writes "value", with the unit of the volume of a job if it has one: "value in HU". job: or NULL. */
 void iso_figure_value_text(const iso_figure_job *job, char *text, size_t size);
 /* Computes the range of values of the table and the volume. */
 void iso_figure_tf_range(const iso_tf_table *t, const iso_level *level0, double range[2]);
@@ -23,7 +23,7 @@ void iso_figure_describe_tf_bar(FILE *caption, double unit_mm);
 /* The bar under rendered pictures. Zeroed: none. */
 typedef struct iso_figure_tf_foot {
     const iso_tf_table *tf; /* borrowed */
-    const iso_figure_job *job;
+    const iso_figure_job *job; /* with the input that names the values' unit; NULL: values have none */
     double range[2];        /* values at its ends */
     bool of_level0;         /* True if coarser levels have other transfer functions */
 } iso_figure_tf_foot;

@@ -159,7 +159,7 @@ static label_probe *create(const iso_geometry *g, bool all)
     label_probe *p = calloc(1, sizeof *p);
     bool well = p != NULL;
     for (int i = 0; well && i < 3; ++i)
-        well = (p->plane[i] = malloc(g->size[0] * g->size[1] * sizeof *p->plane[i])) != NULL;
+        well = (p->plane[i] = calloc(g->size[0] * g->size[1], sizeof *p->plane[i])) != NULL;
     if (well) {
         memcpy(p->size, g->size, sizeof p->size);
         p->reads_all = all;
