@@ -117,7 +117,7 @@ TEST(a_description_with_impossible_values_is_refused)
         {"\"options\"", "\"made_for\": {\"levels\": [{\"scalar\": \"\\u001b[2J\"}]}, \"options\"", ISO_E_FORMAT},
         {"\"options\"", "\"segments\": [1], \"options\"", ISO_E_FORMAT},
         {"\"options\"", "\"segments\": [{\"label\": 1.5, \"name\": \"a\"}], \"options\"", ISO_E_FORMAT},
-        {"\"options\"", "\"segments\": [{\"label\": 65536, \"name\": \"a\"}], \"options\"", ISO_E_FORMAT},
+        {"\"options\"", "\"segments\": [{\"label\": 4294967296, \"name\": \"a\"}], \"options\"", ISO_E_FORMAT},
         {"\"options\"", "\"segments\": [{\"label\": 1}], \"options\"", ISO_E_FORMAT},
         {"\"options\"", "\"segments\": [{\"label\": 1, \"name\": \"a\\nb\"}], \"options\"", ISO_E_FORMAT},
         {"\"options\"", "\"segments\": [{\"label\": 1, \"name\": \"a\", \"color\": [0, 0]}], \"options\"",
