@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* brick_scene.h - bricks of random levels, and what the double-precision reference shows of them. */
-#ifndef ISO_TESTS_BRICK_SCENE_H
-#define ISO_TESTS_BRICK_SCENE_H
+#pragma once
 
 #include "test.h"
 
@@ -74,5 +73,3 @@ static iso_image brick_reference(const iso_brick_field *f, const iso_view *view)
     assert_ok(iso_reference_render_bricks(f, view, &opt, &image, NULL, &err));
     return image;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* codes.h - random directions, and what a code makes of them. */
-#ifndef TESTS_CODES_H
-#define TESTS_CODES_H
+#pragma once
 
 #include "base/linalg.h"
 #include "base/random.h"
@@ -35,5 +34,3 @@ static double angle_deg(iso_vec3 a, iso_vec3 b)
 {
     return atan2(iso_norm(iso_cross(a, b)), iso_dot(a, b)) / degree;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cycles.h - for tests of Cycles: a Blender that is built without volumes for it is no fault of ours. */
-#ifndef ISO_TEST_CYCLES_H
-#define ISO_TEST_CYCLES_H
+#pragma once
 
 #include <stdbool.h>
 #include <string.h>
@@ -27,5 +26,3 @@ static inline void need_cycles(void)
     if (!cycles_shows_volumes())
         skip();
 }
-
-#endif

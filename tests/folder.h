@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* folder.h - a folder of a test program's own: made before its tests, removed after them with all that is in it. */
-#ifndef ISO_TEST_FOLDER_H
-#define ISO_TEST_FOLDER_H
+#pragma once
 
 #include <stdlib.h>
 
@@ -23,5 +22,3 @@ static int remove_folder(void **state)
     free(folder);
     return 0;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* gl.h - one OpenGL context for all tests of a program: it takes a while to start. */
-#ifndef ISO_TEST_GL_H
-#define ISO_TEST_GL_H
+#pragma once
 
 #include "render/gl/raycaster.h"
 
@@ -23,5 +22,3 @@ static int close_gl(void **state)
     iso_gl_destroy(gl);
     return 0;
 }
-
-#endif

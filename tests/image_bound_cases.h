@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* image_bound_cases.h - pyramids, views, images and bounds for tests of the bound of a level's image. */
-#ifndef ISO_TESTS_IMAGE_BOUND_CASES_H
-#define ISO_TESTS_IMAGE_BOUND_CASES_H
+#pragma once
 
 #include <math.h>
 
@@ -97,5 +96,3 @@ static inline double measured_rmse(const iso_image *a, const iso_image *b)
     assert_ok(iso_metrics_measure(a, b, &m, &err));
     return m.rmse;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* joint_pyramids.h - pyramids of random values. */
-#ifndef ISO_TESTS_JOINT_PYRAMIDS_H
-#define ISO_TESTS_JOINT_PYRAMIDS_H
+#pragma once
 
 #include "test.h"
 
@@ -36,5 +35,3 @@ static inline uint64_t count_of(const iso_joint *j, size_t s, size_t z)
             return j->entry_count_of[i];
     return 0;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* metrics_images.h - images for tests of metrics. */
-#ifndef ISO_TESTS_METRICS_IMAGES_H
-#define ISO_TESTS_METRICS_IMAGES_H
+#pragma once
 
 #include <string.h>
 
@@ -51,5 +50,3 @@ static inline iso_metrics measure(const iso_image *a, const iso_image *b)
     assert_ok(iso_metrics_measure(a, b, &m, &err));
     return m;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* noise_bricks.h - bricks of white noise, and how far those that meet at a point disagree on it. */
-#ifndef ISO_TEST_NOISE_BRICKS_H
-#define ISO_TEST_NOISE_BRICKS_H
+#pragma once
 
 #include "test.h"
 
@@ -87,5 +86,3 @@ static double worst_jump(const iso_brick_field *f, int points)
     }
     return worst;
 }
-
-#endif

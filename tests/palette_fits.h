@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* palette_fits.h - palettes fitted to the ellipsoid of the paper. */
-#ifndef ISO_TESTS_PALETTE_FITS_H
-#define ISO_TESTS_PALETTE_FITS_H
+#pragma once
 
 #include <math.h>
 #include <stdlib.h>
@@ -65,5 +64,3 @@ static inline void random_unit(iso_random *random, float *v)
     v[1] = (float)(r * sin(a));
     v[2] = (float)z;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* povray_scenes.h - a smooth field, rendered by POV-Ray and by the reference. */
-#ifndef ISO_TESTS_POVRAY_SCENES_H
-#define ISO_TESTS_POVRAY_SCENES_H
+#pragma once
 
 #include <math.h>
 #include <stdlib.h>
@@ -220,5 +219,3 @@ static inline double compare(comparison *c, double *rmse)
 static const double lock_step_max = 2e-5;
 /* What is left of 240 and 480 midpoint samples a ray behind extrapolation, on a TF with a continuous slope. */
 static const double converged_rmse = 1e-4;
-
-#endif

@@ -5,8 +5,7 @@
  * and returns NULL, or what is wrong. Shrinking makes numbers smaller, one after the other, for as long as the property
  * fails: so 0 has to be the simplest of each. ISO_PROPERTY_SEED=n and ISO_PROPERTY_CASES=n repeat a run and go on for
  * longer. */
-#ifndef ISO_TEST_PROPERTY_H
-#define ISO_TEST_PROPERTY_H
+#pragma once
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -88,5 +87,3 @@ static inline const char *iso_property_try(const iso_property *p)
         if (failed_) \
             fail_msg("%s", failed_); \
     } while (0)
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* pyramids.h - small volumes and their pyramids, for tests. */
-#ifndef ISO_TEST_PYRAMIDS_H
-#define ISO_TEST_PYRAMIDS_H
+#pragma once
 
 #include "test.h"
 
@@ -53,5 +52,3 @@ static inline void place(const iso_geometry *g, size_t i, size_t at[3])
     at[1] = i / g->size[0] % g->size[1];
     at[2] = i / g->size[0] / g->size[1];
 }
-
-#endif

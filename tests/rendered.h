@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* rendered.h - sampled fields as pyramids, a small scene with a transfer function of points, and renderers that a
  * program's tests share. */
-#ifndef ISO_TESTS_RENDERED_H
-#define ISO_TESTS_RENDERED_H
+#pragma once
 
 #include "renderers/renderers.h"
 #include "scene/scene.h"
@@ -57,5 +56,3 @@ static inline iso_view view_of(const iso_scene *scene, const iso_pyramid *p)
     assert_ok(iso_scene_resolve(scene, &p->levels[0].geometry, p->levels[0].min, p->levels[0].max, &view, &err));
     return view;
 }
-
-#endif

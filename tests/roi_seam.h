@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* roi_seam.h - measures the seam around a region of interest: the step of emission across the faces of the box and of its
  * band, and the step in an image that looks along them. */
-#ifndef ISO_TESTS_ROI_SEAM_H
-#define ISO_TESTS_ROI_SEAM_H
+#pragma once
 
 #include <math.h>
 
@@ -189,5 +188,3 @@ static double iso_roi_image_step(const iso_image *image, const iso_pyramid *p, c
     double right = column_step(image, (size_t)lrint(box->hi[0] * x_scale), row0, row1);
     return sqrt(0.5 * (left * left + right * right));
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* same_levels.h - the levels of two pyramids, compared. */
-#ifndef ISO_TESTS_SAME_LEVELS_H
-#define ISO_TESTS_SAME_LEVELS_H
+#pragma once
 
 #include <string.h>
 
@@ -23,5 +22,3 @@ static inline bool same_levels(const iso_pyramid *p, const iso_pyramid *q)
     }
     return same;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* sampled.h - pyramids of sampled fields. */
-#ifndef ISO_TESTS_SAMPLED_H
-#define ISO_TESTS_SAMPLED_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 #include "test.h"
@@ -15,5 +14,3 @@ static inline iso_pyramid sampled_pyramid(const iso_field *field, iso_type type,
     assert_ok(iso_pyramid_build(&v, "field", opt, &p, NULL, &err));
     return p;
 }
-
-#endif

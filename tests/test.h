@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* test.h - cmocka, common headers of the C library, and comparisons that NaN fails. */
-#ifndef ISO_TEST_H
-#define ISO_TEST_H
+#pragma once
 
 #include <math.h>
 #include <setjmp.h>
@@ -124,5 +123,3 @@ static inline void iso_free_held(void *pointer)
             fail_msg("%s: no message", #call);                                             \
     } while (0)
 /* clang-format on */
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* validated.h - a volume, its levels and a scene as `isoshade validate` has them when it measures how levels stand to
  * level 0; for tests in a folder of their own (folder.h). */
-#ifndef ISO_TESTS_VALIDATED_H
-#define ISO_TESTS_VALIDATED_H
+#pragma once
 
 #include <stdlib.h>
 
@@ -99,5 +98,3 @@ static inline void close_subject(subject *s)
     iso_pyramid_destroy(&s->pyramid);
     free(s->dir);
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* volume_files.h - files of volumes for tests, in the folder of folder.h. */
-#ifndef ISO_TESTS_VOLUME_FILES_H
-#define ISO_TESTS_VOLUME_FILES_H
+#pragma once
 
 #include "folder.h"
 #include "test.h"
@@ -92,5 +91,3 @@ static inline void write_nifti_2(const char *name, nifti_2_header h, const void 
     gzwrite(gz, samples, (unsigned)bytes);
     gzclose(gz);
 }
-
-#endif

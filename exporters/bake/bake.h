@@ -21,8 +21,7 @@
  * - Shaded colors are each sample's color times its shade by the level's directions, for renderers without directions,
  *   which show them as emitted light. They are correct for this camera and these lights only.
  * - Memory: blocks of 8 x 8 x 8 points that are visible or next to visible ones. */
-#ifndef ISO_BAKE_H
-#define ISO_BAKE_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 #include "render/reference.h"
@@ -72,5 +71,3 @@ typedef enum iso_baked_pair {
 double iso_baked_sample(const iso_baked *b, iso_baked_pair pair, iso_vec3 index, double color[3]);
 /* Converts index coordinates of the lattice to those of the level. */
 iso_vec3 iso_baked_in_level(const iso_baked *b, iso_vec3 index);
-
-#endif

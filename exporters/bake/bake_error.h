@@ -6,8 +6,7 @@
  * and 0 outside. The difference is due to baking only; tests/test_bake.c compares it with that of pictures without a
  * step. Lit pictures use the scene's lights (both by the level's directions, which a baked grid lacks). Unlit ones use
  * the colors of the transfer function: the picture of a renderer that shows colors as light. */
-#ifndef ISO_BAKE_ERROR_H
-#define ISO_BAKE_ERROR_H
+#pragma once
 
 #include "bake/bake.h"
 
@@ -36,5 +35,3 @@ iso_status iso_bake_measure_shaded(const iso_baked *b, size_t pixels, iso_bake_e
 /* Renders only the baked picture. view: size, camera and shading; voxels: step in voxels of the level, 0: converged. */
 iso_status iso_baked_render(const iso_baked *b, iso_baked_pair pair, const iso_view *view, double voxels,
                             iso_image *image, const iso_progress *progress, iso_error *err);
-
-#endif

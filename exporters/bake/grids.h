@@ -8,8 +8,7 @@
  *   temperature  float  position in the transfer function's range, 0 to 1: for a color ramp. Not in kelvins
  *
  * "Cd=color" writes Cd with the name color. */
-#ifndef ISO_BAKE_GRIDS_H
-#define ISO_BAKE_GRIDS_H
+#pragma once
 
 
 #include "bake/bake_error.h"
@@ -58,5 +57,3 @@ iso_status iso_bake_guard_usda(const char *path, bool force, iso_error *err);
 /* Returns the text of a .usda, which the caller frees; NULL if out of memory. path: the grid file in the same
  * folder. */
 char *iso_bake_usda(const iso_baked *b, const iso_bake_request *request, const char *path);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * A row is a set of options of --bake; options given with --for override it. Rows name their sources and the tests that
  * were run; doc/guide/other-programs.md has them as a table. */
-#ifndef ISO_BAKE_PROGRAMS_H
-#define ISO_BAKE_PROGRAMS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -23,5 +22,3 @@ typedef struct iso_grid_program {
 
 extern const iso_names iso_grid_program_names;
 const iso_grid_program *iso_grid_program_at(size_t row);
-
-#endif

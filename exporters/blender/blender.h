@@ -11,8 +11,7 @@
  *
  * Before its first scene, Blender renders a tiny known volume and measures its position: versions differ by half a
  * voxel in the placement of a grid. A build with any other placement is refused: ISO_E_UNTRUSTED. */
-#ifndef ISO_EXPORT_BLENDER_H
-#define ISO_EXPORT_BLENDER_H
+#pragma once
 
 #include "base/names.h"
 #include "base/progress.h"
@@ -186,5 +185,3 @@ typedef struct iso_color_ramp {
     double off;         /* share of entries with a difference in color or opacity above 1/255 */
 } iso_color_ramp;
 void iso_color_ramp_fit(const iso_tf_table *table, iso_color_ramp *ramp);
-
-#endif

@@ -8,8 +8,7 @@
  *   labels.c         label maps as an image of class numbers
  *   run.c            a run of Blender with the scripts
  *   device.c         finding Blender, and the device of its Cycles */
-#ifndef ISO_BLENDER_SCENE_H
-#define ISO_BLENDER_SCENE_H
+#pragma once
 
 #include "base/file.h"
 #include "base/json.h"
@@ -107,5 +106,3 @@ iso_status iso_blender_check_path(const char *blend_path, iso_error *err);
 /* Runs `about`, which it takes, in Blender, and copies the .blend from Blender's folder to *out, which it reserves. */
 iso_status iso_blender_save(json_t *about, const char *blend_path, iso_output *out, const char *folder,
                             const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
-
-#endif

@@ -10,8 +10,7 @@
  * point. Both programs interpolate trilinearly between the centers of its cells, which are the points. All file and
  * object names are fixed. The volume's name appears in comments only, without characters other than letters, digits,
  * ".", "_" and blanks. */
-#ifndef ISO_EXPORT_MEDIA_H
-#define ISO_EXPORT_MEDIA_H
+#pragma once
 
 #include "bake/bake.h"
 
@@ -45,5 +44,3 @@ void iso_medium_print_source(const iso_medium *m, FILE *f);
 iso_status iso_medium_close(FILE *f, const char *path, iso_error *err);
 /* Opens folder/name. The caller frees *path. */
 iso_status iso_medium_open(const char *folder, const char *name, char **path, FILE **f, iso_error *err);
-
-#endif

@@ -13,8 +13,7 @@
  *
  * The Python contains no text of the user: the file's name has only letters, digits, "-" and "_", and the rest are
  * numbers. Shading is ParaView's own (doc/guide/other-programs.md). */
-#ifndef ISO_EXPORT_PARAVIEW_H
-#define ISO_EXPORT_PARAVIEW_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
@@ -23,5 +22,3 @@
  * label map, or a sheared grid. ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_paraview_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *dir,
                                iso_error *err);
-
-#endif

@@ -6,8 +6,7 @@
  * the last cell. With the rim, and
  *     scale <nx + 2, ny + 2, nz + 2>  translate -1/2
  * the lookup at index coordinates is trilinear between voxel centers (i + 1/2) and clamped to the edge. */
-#ifndef ISO_DF3_H
-#define ISO_DF3_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -53,5 +52,3 @@ iso_status iso_df3_write(const char *path, const size_t size[3], const float *va
  * x = i / size[0], y = r / size[1]. */
 iso_status iso_df3_write_table(const char *path, const size_t size[2], const float *values, size_t stride,
                                size_t channel, const iso_df3_coding *coding, iso_error *err);
-
-#endif

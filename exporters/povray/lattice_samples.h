@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* lattice_samples.h - a sparse lattice as samples of DF3 files, row by row, without making a dense level. Private to
  * exporters/povray. */
-#ifndef ISO_LATTICE_SAMPLES_H
-#define ISO_LATTICE_SAMPLES_H
+#pragma once
 
 #include "brick/lattice.h"
 #include "encode/code.h"
@@ -20,5 +19,3 @@ void iso_lattice_samples_scalars(const iso_lattice_samples *s, size_t first, siz
 void iso_lattice_samples_directions(const iso_lattice_samples *s, size_t first, size_t count, float *restrict out);
 /* Implements iso_df3_source.run: nodes of a block without active nodes are all equal. */
 size_t iso_lattice_samples_run(const iso_lattice_samples *s, size_t first, size_t count, bool *same);
-
-#endif

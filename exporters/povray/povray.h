@@ -21,8 +21,7 @@
  * Isosurface: instead of the media, the first point of a ray inside the box with a value of at least iso, opaque: C =
  * c(iso) shade(d), A = 1, with the TF's color c and the shade of the pre-computed direction. The same as
  * ISO_QUADRATURE_FIRST_HIT. */
-#ifndef ISO_EXPORT_POVRAY_H
-#define ISO_EXPORT_POVRAY_H
+#pragma once
 
 #include "base/process.h"
 #include "base/progress.h"
@@ -112,5 +111,3 @@ typedef struct iso_povray_wanted {
 } iso_povray_wanted;
 iso_status iso_povray_render_scenes(const iso_povray_wanted *scenes, size_t count, iso_image *images,
                                     const iso_progress *progress, iso_error *err);
-
-#endif

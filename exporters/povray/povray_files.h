@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* povray_files.h - the files of a POV-Ray scene; private to this folder. */
-#ifndef ISO_POVRAY_FILES_H
-#define ISO_POVRAY_FILES_H
+#pragma once
 
 #include "povray/scene_text.h"
 
@@ -29,5 +28,3 @@ iso_status iso_povray_write_files(const iso_povray_prepared *s, const char *dir,
 /* Returns the path of "dir/name_suffix"; the caller frees it. */
 char *iso_povray_file_path(const char *dir, const char *name, const char *suffix);
 iso_status iso_povray_no_memory(iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* scene_parts.h - parts of NAME.inc, one source file each; private to this folder. */
-#ifndef ISO_POVRAY_SCENE_PARTS_H
-#define ISO_POVRAY_SCENE_PARTS_H
+#pragma once
 
 #include "povray/scene_text.h"
 
@@ -36,5 +35,3 @@ void iso_povray_write_clips(FILE *f, const iso_povray_scene *s);
 /* Returns `select`, e.g. "select(Iso_Opaque(x, y, z), 0, ", which skips the rest in transparent places; "" if the TF
  * has no transparent part. */
 const char *iso_povray_lazily(const iso_povray_scene *s, const char *select);
-
-#endif

@@ -6,8 +6,7 @@
  * through which a ray enters, a piece of the ray is lost, and the pixel is wrong. So world millimeters are scaled to a
  * centered box of ISO_POVRAY_UNITS_ACROSS. At 100 units one pixel in 25600 was lost with 7, 14 or 15 planes, at 10000
  * none. */
-#ifndef ISO_POVRAY_SCENE_TEXT_H
-#define ISO_POVRAY_SCENE_TEXT_H
+#pragma once
 
 #define ISO_POVRAY_UNITS_ACROSS 10000.0
 
@@ -62,5 +61,3 @@ void iso_povray_write_scene(FILE *file, const iso_povray_scene *s);
 /* Writes NAME_tf.inc. */
 void iso_povray_write_map(FILE *file, const iso_povray_scene *s);
 void iso_povray_write_ini(FILE *file, const iso_povray_scene *s);
-
-#endif

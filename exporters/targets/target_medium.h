@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* target_medium.h - shared parts of the targets pbrt and mitsuba: a folder with a medium of a baked level. */
-#ifndef ISO_TARGET_MEDIUM_H
-#define ISO_TARGET_MEDIUM_H
+#pragma once
 
 #include "media/media.h"
 #include "targets/targets.h"
@@ -18,5 +17,3 @@ typedef struct iso_target_medium {
      ISO_EXPORT_TAKES(ISO_EXPORT_EXTINCTION_SCALE) | ISO_EXPORT_TAKES(ISO_EXPORT_LATTICE))
 
 iso_status iso_target_medium_write(const iso_export_job *job, const iso_target_medium *t, iso_error *err);
-
-#endif

@@ -4,8 +4,7 @@
  * A target's file, exporters/targets/target_NAME.c, defines iso_export_target_NAME, which targets.c lists;
  * doc/extending.md explains. The row lists the options that the target supports: others are refused, since they would
  * have no effect. */
-#ifndef ISO_TARGETS_H
-#define ISO_TARGETS_H
+#pragma once
 
 #include <stdio.h>
 
@@ -142,6 +141,3 @@ static inline bool iso_export_takes(const iso_export_target *t, iso_export_optio
     return t->options & ISO_EXPORT_TAKES(option);
 }
 const char *iso_export_option_text(iso_export_option option);
-
-
-#endif

@@ -6,8 +6,7 @@
  *     y up:  (x, y, z) -> (x, z, -y)     a rotation by -90 degrees about x, without mirroring
  *
  * and divides lengths by the unit. The caller converts values per length. */
-#ifndef ISO_VDB_FIELDS_H
-#define ISO_VDB_FIELDS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -62,5 +61,3 @@ typedef struct iso_vdb_fields {
  * metadata. ISO_E_RANGE: the voxels are too small or too large in scene units, so that OpenVDB considers their
  * transform singular. */
 iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const iso_progress *progress, iso_error *err);
-
-#endif

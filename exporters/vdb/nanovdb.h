@@ -7,8 +7,7 @@
  * lost.
  *
  * Memory: a grid twice, as OpenVDB and as NanoVDB, and all finished grids. */
-#ifndef ISO_EXPORT_NANOVDB_H
-#define ISO_EXPORT_NANOVDB_H
+#pragma once
 
 #include "base/status.h"
 
@@ -18,5 +17,3 @@ iso_status iso_nanovdb_from_vdb(const char *vdb_path, const char *path, iso_erro
 
 /* Returns the version of the file format, e.g. "32.4.2"; NULL: built without NanoVDB. */
 const char *iso_nanovdb_version(void);
-
-#endif

@@ -25,8 +25,7 @@
  *
  * Files are written leaf by leaf. Besides the voxels themselves, memory holds one mask per leaf: 30 MB for 512 x 512 x
  * 512. */
-#ifndef ISO_EXPORT_VDB_H
-#define ISO_EXPORT_VDB_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -98,6 +97,4 @@ iso_status iso_vdb_save_lattices(const iso_lattice *lattices, size_t count, cons
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

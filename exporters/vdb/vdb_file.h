@@ -7,8 +7,7 @@
  *   vdb_library.c    loads isoshade_openvdb.so, which contains:
  *   vdb_openvdb.cc   OpenVDB; vdb_tree.h: grids that are never complete in memory, vdb_leaves.h: written by several threads
  *   vdb_nanovdb.cc   NanoVDB, by its own conversion of OpenVDB grids (nanovdb.h); vdb_guarded.h: exceptions end here */
-#ifndef ISO_VDB_FILE_H
-#define ISO_VDB_FILE_H
+#pragma once
 
 #include "pyramid/narrow.h"
 #include "vdb/vdb.h"
@@ -66,5 +65,3 @@ void iso_vdb_grids_destroy(iso_vdb_grids *grids); /* accepts empty */
 
 /* Moves voxel 0 to index `first` along each axis; its world position stays. */
 void iso_vdb_begin_at(iso_vdb_source *source, const long first[3]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* vdb_guarded.h - the only place that catches exceptions of OpenVDB; private to the C++ files of this folder. */
-#ifndef ISO_VDB_GUARDED_H
-#define ISO_VDB_GUARDED_H
+#pragma once
 
 #include <cstdio>
 #include <exception>
@@ -41,5 +40,3 @@ template <typename Work> int guarded(iso_vdb_message *message, Work work)
 }
 
 } // namespace iso_vdb
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* vdb_leaves.h - writing of leaves. Several threads read and compress values; the leaves are written in their order, so
  * that the file's bytes do not depend on the number of threads. Private to exporters/vdb. */
-#ifndef ISO_VDB_LEAVES_H
-#define ISO_VDB_LEAVES_H
+#pragma once
 
 #include <algorithm>
 #include <condition_variable>
@@ -310,5 +309,3 @@ void write_leaves(std::ostream &out, const std::vector<const Leaf *> &leaves, co
 }
 
 } // namespace iso_vdb
-
-#endif

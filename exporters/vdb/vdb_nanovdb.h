@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* vdb_nanovdb.h - converts OpenVDB grids to NanoVDB files; contracts in vdb_openvdb.h. Private to the C++ files of this
  * folder. */
-#ifndef ISO_VDB_NANOVDB_H
-#define ISO_VDB_NANOVDB_H
+#pragma once
 
 #include "vdb/vdb_openvdb.h"
 
@@ -12,5 +11,3 @@ int to_nanovdb(const char *vdb_path, const char *path, iso_vdb_message *message)
 const char *nanovdb_version();
 
 } // namespace iso_vdb
-
-#endif

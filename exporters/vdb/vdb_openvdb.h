@@ -6,8 +6,7 @@
  *
  * Transforms are rows of a 3 x 4 matrix from OpenVDB's index (integers at voxel centers) to world. Private to
  * exporters/vdb. */
-#ifndef ISO_VDB_OPENVDB_H
-#define ISO_VDB_OPENVDB_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -89,6 +88,4 @@ typedef struct iso_openvdb {
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -24,8 +24,7 @@
  *
  * Without transfer functions, lit and kept are the corners of all cells that are not pure background. Then every
  * transfer function gives the same picture, except that directions inside a region of the background's value are 0. */
-#ifndef ISO_VDB_SPARSE_H
-#define ISO_VDB_SPARSE_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 #include "vdb/vdb.h"
@@ -51,5 +50,3 @@ static inline bool iso_vdb_activity_bit(const iso_vdb_activity *a, const uint8_t
 {
     return bits[(at[2] * a->size[1] + at[1]) * a->row_bytes + at[0] / 8] >> (at[0] & 7) & 1;
 }
-
-#endif

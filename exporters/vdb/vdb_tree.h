@@ -5,8 +5,7 @@
  * bit for bit, but its leaves have no values: a grid of 512 x 512 x 512 voxels takes 30 MB instead of .5 or 1.6 GB.
  *
  * For writing only: values cannot be queried. Private to exporters/vdb. */
-#ifndef ISO_VDB_TREE_H
-#define ISO_VDB_TREE_H
+#pragma once
 
 #include <memory>
 #include <vector>
@@ -97,5 +96,3 @@ private:
 };
 
 } // namespace iso_vdb
-
-#endif

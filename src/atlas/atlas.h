@@ -15,8 +15,7 @@
  *   faults.c  the failures that no option produces
  *   cases.c   the table
  *   page.c    the page and its pictures */
-#ifndef ISO_ATLAS_H
-#define ISO_ATLAS_H
+#pragma once
 
 #include <jansson.h>
 #include <stdio.h>
@@ -138,5 +137,3 @@ void iso_atlas_page_begin(FILE *html, const json_t *cases);
 void iso_atlas_page_end(FILE *html);
 /* Writes the case's files (ID.nrrd, ID.scene.json, pictures) and adds its section and its JSON object. */
 iso_status iso_atlas_page_add(iso_atlas_page *page, const iso_atlas_case *c, const iso_atlas_result *r, iso_error *err);
-
-#endif

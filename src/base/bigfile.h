@@ -3,8 +3,7 @@
  *
  * If the file system allows it, writes bypass the page cache (O_DIRECT), in aligned blocks. A file larger than
  * memory gains nothing from the cache, and would push out other programs' pages. */
-#ifndef ISO_BIGFILE_H
-#define ISO_BIGFILE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -44,5 +43,3 @@ iso_status iso_bigfile_flush(iso_bigfile *file, iso_error *err);
 /* Syncs, cuts, closes and frees in every case. Accepts NULL. */
 iso_status iso_bigfile_close(iso_bigfile *file, iso_error *err);
 void iso_bigfile_abandon(iso_bigfile *file); /* closes and frees only; accepts NULL */
-
-#endif

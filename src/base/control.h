@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* control.h - control characters in texts of files and of other programs. */
-#ifndef ISO_CONTROL_H
-#define ISO_CONTROL_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -19,5 +18,3 @@ void iso_words_copy_line(const char *text, char *line, size_t size);
 void iso_words_put_line(FILE *f, const char *text);
 /* Makes another program's output printable, in place: bytes outside printable ASCII become '?', tabs a space. */
 void iso_words_make_printable(char *text);
-
-#endif

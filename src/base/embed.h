@@ -6,8 +6,7 @@
  * defines `extern const char raycast_glsl[]`, ended by a 0. Paths are relative
  * to the top of the project, where make runs; the Makefile makes the objects
  * depend on the embedded files. */
-#ifndef ISO_EMBED_H
-#define ISO_EMBED_H
+#pragma once
 
 /* clang-format off */
 #define ISO_EMBED(symbol, path)                                  \
@@ -20,5 +19,3 @@
             ".size " #symbol ", . - " #symbol "\n"               \
             ".popsection\n")
 /* clang-format on */
-
-#endif

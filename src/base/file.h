@@ -4,8 +4,7 @@
  * A file or a folder is made under a temporary name next to its final one (temporary.h), flushed to the disk, and
  * renamed when it is complete. An existing output stays until then. If an output is a link, its target is written
  * and the link stays. Devices, pipes and sockets are refused. */
-#ifndef ISO_FILE_H
-#define ISO_FILE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -96,5 +95,3 @@ iso_status iso_file_read(const char *path, char **data, size_t *size, iso_error 
 
 /* Writes a whole file at once, under a temporary name. */
 iso_status iso_file_write(const char *path, const void *data, size_t size, iso_error *err);
-
-#endif

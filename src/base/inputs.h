@@ -11,8 +11,7 @@
  *
  * Nothing is recorded before iso_inputs_watch(): a program that uses the library may save over a file that it has
  * loaded. Temporaries of this process are not inputs. */
-#ifndef ISO_INPUTS_H
-#define ISO_INPUTS_H
+#pragma once
 
 #include "base/status.h"
 
@@ -36,5 +35,3 @@ iso_status iso_inputs_check(const char *output, iso_error *err);
 /* Calls visit for each file and folder that was noted, in the order of their names, until one fails. */
 typedef iso_status iso_input_visitor(void *user, const char *path, iso_error *err);
 iso_status iso_inputs_visit(iso_input_visitor *visit, void *user, iso_error *err);
-
-#endif

@@ -4,8 +4,7 @@
  *
  * An iso_json_reader remembers the first error, so that a file is read key by key
  * with a single test at the end. */
-#ifndef ISO_JSON_H
-#define ISO_JSON_H
+#pragma once
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -67,5 +66,3 @@ void iso_json_need_keys(iso_json_reader *r, const json_t *object, const char *wh
 json_t *iso_json_number(double value);
 /* Returns the array [a, b, c ...]. */
 json_t *iso_json_numbers(const double *values, size_t count);
-
-#endif

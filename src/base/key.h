@@ -13,8 +13,7 @@
  * inode, its times in nanoseconds and samples of its content. Its device is left out: a file system that is mounted
  * again may have another number. A part holds no path and no value, only hashes, since outputs may keep it
  * (provenance.h). */
-#ifndef ISO_KEY_H
-#define ISO_KEY_H
+#pragma once
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -54,5 +53,3 @@ bool iso_key_digest(const iso_key *key, char digest[ISO_KEY_DIGEST_BYTES]);
 /* True if a part differs from the stored one, or only one of them has it. text: a clause that names it, such as "v.raw
  * changed since". */
 bool iso_key_differs(const iso_key *key, const json_t *stored, char *text, size_t size);
-
-#endif

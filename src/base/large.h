@@ -3,8 +3,7 @@
  *
  * The kernel hands out memory by pages of 4 KiB on first touch. For the buffers of a build that costs up to a tenth
  * of its time. If the kernel has pages of 2 MiB on request (Linux, transparent huge pages), they are requested. */
-#ifndef ISO_BASE_LARGE_H
-#define ISO_BASE_LARGE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -20,5 +19,3 @@ void *iso_large_samples(size_t bytes);
 void *iso_large_on_disk(size_t bytes);
 /* Frees either; accepts NULL and what malloc() returned. */
 void iso_large_free(void *samples);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* linalg.h - 3-vectors and 3x3 matrices in double precision, by value. */
-#ifndef ISO_LINALG_H
-#define ISO_LINALG_H
+#pragma once
 
 #include <math.h>
 
@@ -92,5 +91,3 @@ static inline iso_mat3 iso_mat3_inverse(iso_mat3 a)
     iso_vec3 r2 = iso_scale(iso_cross(c0, c1), s);
     return (iso_mat3){{{r0.x, r0.y, r0.z}, {r1.x, r1.y, r1.z}, {r2.x, r2.y, r2.z}}};
 }
-
-#endif

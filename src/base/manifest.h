@@ -6,8 +6,7 @@
  * those added later; "-" for others. Newlines in paths are refused.
  * A file without a checksum counts as changed if its size differs, or if its last change is later than the list's.
  * So a folder copied without its times is not replaced. */
-#ifndef ISO_MANIFEST_H
-#define ISO_MANIFEST_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -30,5 +29,3 @@ iso_status iso_manifest_add_output(const char *folder, const char *path, iso_err
 /* Checks a folder against its list. ISO_E_IO, with the first entry that isoshade did not put there or that has
  * changed, or if there is no list. Missing entries are allowed. shown: the folder's name in the message. */
 iso_status iso_manifest_check(const char *folder, const char *shown, iso_error *err);
-
-#endif

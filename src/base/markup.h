@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* markup.h - writes texts to HTML, SVG and XML, between tags or within quotes of an attribute. */
-#ifndef ISO_MARKUP_H
-#define ISO_MARKUP_H
+#pragma once
 
 #include <jansson.h>
 #include <stdio.h>
@@ -13,5 +12,3 @@ void iso_markup_put(FILE *f, const char *text);
 /* Writes JSON inside <script>: "<" becomes an escape, so that no text ends the element. Numbers are those of
  * iso_json_text(). */
 void iso_markup_put_json(FILE *f, const json_t *value);
-
-#endif

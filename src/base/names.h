@@ -10,8 +10,7 @@
  *
  * Messages, --help, `isoshade list` and doc/reference/names.md are made from the table, so
  * that a row is written once. */
-#ifndef ISO_NAMES_H
-#define ISO_NAMES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -58,5 +57,3 @@ iso_status iso_names_find(const iso_names *names, const char *name, size_t *row,
 
 /* Writes "a, b or c" into text, which it returns, cut if it does not fit. last: "or"; NULL for "a, b, c". */
 char *iso_names_join(const iso_names *names, const char *last, char *text, size_t size);
-
-#endif

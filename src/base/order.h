@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* order.h - orders for qsort(). */
-#ifndef ISO_BASE_ORDER_H
-#define ISO_BASE_ORDER_H
+#pragma once
 
 /* Compares doubles, the smaller one first. */
 static inline int iso_order_doubles(const void *a, const void *b)
@@ -9,5 +8,3 @@ static inline int iso_order_doubles(const void *a, const void *b)
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
-
-#endif

@@ -2,8 +2,7 @@
 /* parallel.h - threads by OpenMP. Loops begin with
  *     #pragma omp parallel for schedule(static) num_threads(iso_threads(opt->threads))
  * and give results that do not depend on the number. */
-#ifndef ISO_PARALLEL_H
-#define ISO_PARALLEL_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -25,5 +24,3 @@ double iso_cpu_seconds(void);
 
 /* Returns the peak resident memory of this process in bytes. */
 double iso_peak_rss_bytes(void);
-
-#endif

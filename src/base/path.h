@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* path.h - parts of paths; questions about them; removal. */
-#ifndef ISO_PATH_H
-#define ISO_PATH_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -18,5 +17,3 @@ bool iso_path_ends_with(const char *path, const char *suffix);
 
 /* Removes a directory and all in it. Missing is fine. */
 void iso_remove_tree(const char *path);
-
-#endif

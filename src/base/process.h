@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* process.h - running Blender, POV-Ray and gnuplot. */
-#ifndef ISO_PROCESS_H
-#define ISO_PROCESS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -74,5 +73,3 @@ iso_status iso_process_listen(iso_process *process, const char *until, const iso
 
 /* Closes its input, and gives it ten seconds at most to end by itself. NULL: nothing to do. */
 void iso_process_end(iso_process *process);
-
-#endif

@@ -6,8 +6,7 @@
  *
  * report() returns whether to go on. Work that a call of the library does (iso_call_begin()) ends early if it returns
  * false: loops poll, skip what is left, and the call fails with ISO_E_CANCELED. Other work ignores the result. */
-#ifndef ISO_PROGRESS_H
-#define ISO_PROGRESS_H
+#pragma once
 
 #include <pthread.h>
 #include <stdbool.h>
@@ -47,5 +46,3 @@ const iso_progress *iso_progress_current(void);
 bool iso_progress_poll(const iso_progress *progress);
 /* Returns ISO_E_CANCELED if the work was canceled. */
 iso_status iso_progress_check(const iso_progress *progress, iso_error *err);
-
-#endif

@@ -6,8 +6,7 @@
  * It holds the command, the current step, the percent of all steps, which never falls, and the elapsed time. A
  * terminal's line is redrawn in place and wiped at the end. Other outputs get one line per half minute, so that
  * short commands are silent. Functions accept NULL, which is silent. Any thread may report. */
-#ifndef ISO_BASE_PROGRESS_LINE_H
-#define ISO_BASE_PROGRESS_LINE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -33,5 +32,3 @@ double iso_progress_line_fraction(iso_progress_line *line);
 /* Writes the text of the line, `columns` wide at most (0: any width): the step's name is cut first. */
 void iso_progress_text(char *text, size_t size, const char *command, const char *name, double fraction, double seconds,
                        size_t columns);
-
-#endif

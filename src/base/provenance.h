@@ -5,8 +5,7 @@
  * machines. So outputs name a file by its last name alone, unless the user asks for whole paths; or they leave names
  * out. Command lines keep relative paths, so that they run in the folder in which they were made. Terminal messages,
  * such as errors, are not outputs and name files as given. */
-#ifndef ISO_PROVENANCE_H
-#define ISO_PROVENANCE_H
+#pragma once
 
 #include <stdio.h>
 
@@ -43,5 +42,3 @@ char *iso_provenance_line(const char *line);
 /* Prepares a message of an error or of another program for outputs: removes the folders of absolute paths without
  * spaces, in place, unless whole paths are kept. Returns text. */
 char *iso_provenance_shorten(char *text);
-
-#endif

@@ -2,8 +2,7 @@
 /* random.h - seeded random numbers that are the same on every machine.
  *
  * SplitMix64 [steele-2014]: one word of state, any seed is good. */
-#ifndef ISO_RANDOM_H
-#define ISO_RANDOM_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -37,5 +36,3 @@ static inline double iso_xorshift_unit(uint64_t *state)
     *state ^= *state << 13, *state ^= *state >> 7, *state ^= *state << 17;
     return (double)(*state >> 11) * 0x1p-53;
 }
-
-#endif

@@ -5,8 +5,7 @@
  * loaded only if mpirun started the program. Without it iso_ranks_open() gives NULL, and every function here takes
  * NULL for a job of one rank. All calls have to come from the thread that opened. When a rank dies, mpirun ends the
  * others. */
-#ifndef ISO_RANKS_H
-#define ISO_RANKS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -45,5 +44,3 @@ void iso_ranks_largest(iso_ranks *ranks, double *values, size_t count);
 void iso_ranks_send(iso_ranks *ranks, int to, const void *data, size_t bytes);
 /* Waits for a message of at most `bytes` bytes. */
 void iso_ranks_receive(iso_ranks *ranks, int from, void *data, size_t bytes);
-
-#endif

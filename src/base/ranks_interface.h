@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* ranks_interface.h - functions that isoshade_mpi.so offers to the program (ranks.h); private to ranks. */
-#ifndef ISO_RANKS_INTERFACE_H
-#define ISO_RANKS_INTERFACE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -16,5 +15,3 @@ typedef struct iso_ranks_interface {
     void (*send)(int to, const void *data, size_t bytes);
     void (*receive)(int from, void *data, size_t bytes);
 } iso_ranks_interface;
-
-#endif

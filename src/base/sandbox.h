@@ -13,8 +13,7 @@
  *
  * If the kernel lacks a part, the others still hold, and iso_sandbox_describe() names the missing ones.
  * Reading is not restricted. */
-#ifndef ISO_SANDBOX_H
-#define ISO_SANDBOX_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -60,5 +59,3 @@ bool iso_sandbox_is_on(void);
 
 /* Describes it: "writes in their own folders only (Landlock 7), no network (seccomp)", and the missing parts. */
 void iso_sandbox_describe(char *text, size_t size);
-
-#endif

@@ -5,8 +5,7 @@
  *
  * Kernels are plain C loops, which the compiler vectorizes. Products and sums are never
  * fused (-ffp-contract=off), so that all instruction sets give the same bits. */
-#ifndef ISO_SIMD_H
-#define ISO_SIMD_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -34,5 +33,3 @@
 
 /* Copies bytes past the caches, for results that are not read again soon. */
 void iso_copy_streaming(void *restrict to, const void *restrict from, size_t bytes);
-
-#endif

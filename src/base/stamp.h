@@ -4,8 +4,7 @@
  * Files that people edit, such as scenes, end in a line with the checksum of all before it. Copies, renamed and
  * moved files keep it. A program that rewrites the file drops it, and an editor that changes a byte makes it wrong.
  * So only an unchanged file is overwritten without a question. */
-#ifndef ISO_STAMP_H
-#define ISO_STAMP_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -24,5 +23,3 @@ iso_status iso_stamp_guard(const char *path, bool force, iso_error *err);
 iso_status iso_stamp_guard_other(const char *path, bool is_ours, bool force, iso_error *err);
 /* Guards a file of a command without --force, named after another output. */
 iso_status iso_stamp_guard_adjacent(const char *path, bool is_ours, iso_error *err);
-
-#endif

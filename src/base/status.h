@@ -4,8 +4,7 @@
  * Every function that can fail returns an iso_status and takes an iso_error last, which may be NULL. Both are
  * defined in the library's header, with the list of all statuses. A command's exit code is the value of its status.
  * The library never prints and never exits. */
-#ifndef ISO_STATUS_H
-#define ISO_STATUS_H
+#pragma once
 
 #include "isoshade.h"
 
@@ -34,5 +33,3 @@ iso_status iso_fail_in(iso_error *err, iso_status status, const char *format, ..
         if (need_status_ != ISO_OK)             \
             return need_status_;                \
     } while (0)
-
-#endif

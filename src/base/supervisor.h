@@ -5,8 +5,7 @@
  * The supervisor adopts every process that the program leaves running, including those in a session of their own. It
  * ends them all when the program has ended, on request, and when the process or thread that started it has ended for
  * any reason. It ends with the program's exit code or signal. */
-#ifndef ISO_SUPERVISOR_H
-#define ISO_SUPERVISOR_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -19,5 +18,3 @@ pid_t iso_supervisor_start(const char *const argv[], const char *directory, cons
 
 /* Requests to end everything now. It must still be waited for. */
 void iso_supervisor_stop(pid_t supervisor);
-
-#endif

@@ -5,8 +5,7 @@
  * the namespace of process numbers. START is the start time of the process. So two processes never write to one
  * temporary, even in containers that share a folder and have equal process numbers. The remains of a killed process
  * differ from the work of a living one. */
-#ifndef ISO_TEMPORARY_H
-#define ISO_TEMPORARY_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -32,5 +31,3 @@ bool iso_temporary_holds(const char *path);
 
 /* Takes the marks of this process's temporaries out of a message, so that it names the user's files. */
 void iso_temporary_rename_in(char *text);
-
-#endif

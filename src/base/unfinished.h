@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* unfinished.h - unfinished outputs and private folders, which are removed when a signal ends the process. The
  * remains of a killed process are removed by a later run (temporary.h). */
-#ifndef ISO_UNFINISHED_H
-#define ISO_UNFINISHED_H
+#pragma once
 
 #include <signal.h>
 #include <stdbool.h>
@@ -25,5 +24,3 @@ void iso_unfinished_catch_signals(void);
 
 /* True if the signal ends the process, with or without cleanup. */
 bool iso_unfinished_ends(const struct sigaction *action);
-
-#endif

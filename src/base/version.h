@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* version.h - ISO_VERSION, "MAJOR.MINOR.PATCH", from the library's own header. */
-#ifndef ISO_VERSION_H
-#define ISO_VERSION_H
+#pragma once
 
 #include "isoshade.h"
-
-#endif

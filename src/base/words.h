@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* words.h - words of command lines and files: numbers, sizes and quotients read with the end checked, and words quoted
  * for a shell. Errors name the option and its text. */
-#ifndef ISO_WORDS_H
-#define ISO_WORDS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -40,5 +39,3 @@ double iso_words_read_quotient(const char *text, char **end);
 iso_status iso_words_parse_error(const char *option, const char *text, double *error, iso_error *err);
 /* Checks that a value is in [lo, hi]. ISO_E_USAGE "--option is VALUE, must be LO to HI". NaN fails. */
 iso_status iso_words_check_range(const char *option, double value, double lo, double hi, iso_error *err);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * Counted from the start of the process, by any thread; iso_work_reset() sets all to 0. Names are copied, 63
  * characters at most. Each kind has ISO_WORK_MOST entries; later names are counted in the last one. */
-#ifndef ISO_BASE_WORK_H
-#define ISO_BASE_WORK_H
+#pragma once
 
 #include <jansson.h>
 #include <stddef.h>
@@ -28,5 +27,3 @@ iso_work_total iso_work_sum(void);
 
 /* Returns a new object, "work" of doc/reference/files-report.md. */
 json_t *iso_work_to_json(void);
-
-#endif

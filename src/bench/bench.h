@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* bench.h - the list of benchmarks, from which `isoshade bench NAME` and its help expand. src/bench/NAME.c defines
  * iso_bench_NAME, an iso_command named "bench NAME". */
-#ifndef ISO_BENCH_H
-#define ISO_BENCH_H
+#pragma once
 
 #include "options/cli.h"
 
@@ -15,5 +14,3 @@
     X(render) \
     X(scale)
 /* clang-format on */
-
-#endif

@@ -4,8 +4,7 @@
  * The plain loop takes a n + b v: it looks up n samples and also shades the v visible ones. Skipping all others at no
  * cost leaves (a + b) v. The bench counts n and v. It computes a and b from two pictures of the plain loop, dense and
  * sparse, whose shares of visible samples differ. */
-#ifndef ISO_BENCH_CAST_BOUND_H
-#define ISO_BENCH_CAST_BOUND_H
+#pragma once
 
 #include "base/status.h"
 #include "pyramid/pyramid.h"
@@ -24,5 +23,3 @@ iso_status iso_bench_count_samples(const iso_level *level, iso_code code, const 
  * determine it, for example if both transfer functions show the same share. */
 double iso_bench_skipping_bound(const bench_samples *dense, double dense_seconds, const bench_samples *sparse,
                                 double sparse_seconds);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* files.h - the time of a streaming build, compared with the time that the disk needs for the same bytes. */
-#ifndef ISO_BENCH_FILES_H
-#define ISO_BENCH_FILES_H
+#pragma once
 
 #include "pyramid/pyramid_stream.h"
 
@@ -21,5 +20,3 @@ iso_status iso_bench_files(const iso_volume *v, const iso_pyramid_options *opt, 
 /* Does the same for a volume in a file. */
 iso_status iso_bench_files_of(const char *volume, const iso_pyramid_options *opt, const char *folder,
                               size_t memory_bytes, size_t runs, bench_files_times *times, iso_error *err);
-
-#endif

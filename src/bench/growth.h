@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* growth.h - exponent of a command's time as a power of the number of voxels. */
-#ifndef ISO_BENCH_GROWTH_H
-#define ISO_BENCH_GROWTH_H
+#pragma once
 
 #include <stddef.h>
 
@@ -14,5 +13,3 @@
  * start. seconds: processor time; 0 or less if not measured. Returns NAN with fewer than two points. *used (may be
  * NULL): number of points in the fit. */
 double iso_growth_slope(const double *voxels, const double *seconds, size_t count, double start, size_t *used);
-
-#endif

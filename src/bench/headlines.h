@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* headlines.h - the project's headline figures, each with the command that measures it, its bar and its peer. */
-#ifndef ISO_BENCH_HEADLINES_H
-#define ISO_BENCH_HEADLINES_H
+#pragma once
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -26,5 +25,3 @@ extern const size_t iso_headline_count;
 
 /* Computes the figure. ISO_E_FORMAT: no number at a path, or a division by zero. */
 iso_status iso_headline_value(const iso_headline *h, const json_t *answer, double *value, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* render.h - shared by the parts of `bench render`: its cases and the measurement of one. */
-#ifndef ISO_BENCH_RENDER_H
-#define ISO_BENCH_RENDER_H
+#pragma once
 
 #include "bench/bench.h"
 #include "brick/bricks.h"
@@ -52,5 +51,3 @@ iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
 /* Measures bricks and the whole volume by the CPU ray caster; appends to cases. */
 iso_status iso_bench_bricks_on_cpu(const iso_cli *cli, const iso_pyramid *p, const iso_brick_field *field,
                                    const bench_render_options *opt, json_t *cases, iso_error *err);
-
-#endif

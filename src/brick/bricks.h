@@ -26,8 +26,7 @@
  * m d of level 0: d = N/|N| L^2, L = |N| / S, as in pyramid.h with the weights w
  * of the filter. Directions are baked like the scalar, and not normalized before
  * they are interpolated. */
-#ifndef ISO_BRICKS_H
-#define ISO_BRICKS_H
+#pragma once
 
 #include <math.h>
 
@@ -206,5 +205,3 @@ void iso_brick_sample_in(const iso_brick_field *f, const size_t brick[3], const 
 
 /* Samples the field at index coordinates (index = q + 1/2), clamped to the volume's nodes. */
 void iso_brick_sample(const iso_brick_field *f, iso_vec3 index, double out[ISO_NODE_CHANNELS]);
-
-#endif

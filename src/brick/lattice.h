@@ -25,8 +25,7 @@
  * Only blocks with active nodes are allocated, so that memory depends on the visible part of a volume. Bricks of level
  * 0 that have not been made (iso_node_levels_create_for) are read from the voxels and not kept; directions are computed
  * for active nodes only. */
-#ifndef ISO_LATTICE_H
-#define ISO_LATTICE_H
+#pragma once
 
 #include "brick/bricks.h"
 #include "tf/tf.h"
@@ -100,5 +99,3 @@ double iso_lattice_step(const iso_node_levels *n);
 
 /* Returns an invisible value in [min, max], from the invisible range with most of level 0; min if all is visible. */
 double iso_lattice_background(const iso_node_levels *n, const iso_tf_table *tfs, size_t tf_count);
-
-#endif

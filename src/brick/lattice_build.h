@@ -4,8 +4,7 @@
  *   lattice.c        the box, the background, the final box
  *   lattice_bricks.c the nodes of a brick's cells, and their visibility
  *   lattice_halo.c   cells that would be visible because some of their nodes are background */
-#ifndef ISO_LATTICE_BUILD_H
-#define ISO_LATTICE_BUILD_H
+#pragma once
 
 #include "brick/lattice.h"
 #include "brick/node_box.h"
@@ -71,5 +70,3 @@ iso_status iso_lattice_put(iso_lattice *l, const size_t at[3], const float *node
 iso_status iso_lattice_add_brick(const iso_lattice_builder *b, size_t brick, iso_node_buffers *buffers, iso_error *err);
 /* Activates the other corners of cells that would be visible otherwise, until no such cell is left. */
 iso_status iso_lattice_add_halo(const iso_lattice_builder *b, iso_error *err);
-
-#endif

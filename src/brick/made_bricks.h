@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* made_bricks.h - nodes of single bricks (iso_node_levels_create_for). Private to src/brick. */
-#ifndef ISO_MADE_BRICKS_H
-#define ISO_MADE_BRICKS_H
+#pragma once
 
 #include "brick/bricks.h"
 #include "brick/node_box.h"
@@ -33,5 +32,3 @@ void iso_passing_brick_directions(const iso_passing_brick *p, size_t y, size_t z
 /* Encodes and decodes directions, three floats each. */
 void iso_passing_brick_code(const iso_passing_brick *p, float *directions, size_t count);
 void iso_made_bricks_destroy(iso_node_levels *n); /* accepts all nodes */
-
-#endif

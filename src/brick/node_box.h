@@ -7,8 +7,7 @@
  *
  *     fine     o o o o o o o o o      2 m + 3 nodes along each axis, positions beyond the level's ends clamped to them
  *     coarse       O   O   O          m; node i stands at fine node 2 i + 2 */
-#ifndef ISO_NODE_BOX_H
-#define ISO_NODE_BOX_H
+#pragma once
 
 #include <math.h>
 
@@ -106,5 +105,3 @@ static inline void iso_node_to_direction(float moments[3], float sum)
 
 /* Writes nodes of ISO_NODE_CHANNELS, with moments converted to directions. */
 void iso_node_box_finish(const iso_node_box *b, float *restrict nodes);
-
-#endif

@@ -14,8 +14,7 @@
  * be left out without a change. distance[b] is 0 for occupied bricks, otherwise
  * the Chebyshev distance to the nearest one: all bricks around b that are nearer
  * than that are empty, too. */
-#ifndef ISO_OCCUPANCY_H
-#define ISO_OCCUPANCY_H
+#pragma once
 
 #include <stdint.h>
 
@@ -84,5 +83,3 @@ void iso_occupancy_distance(const size_t count[3], uint8_t *distance);
  * occupied: 0 for occupied bricks; octants: eight bytes per brick, the octant slowest. */
 enum { ISO_OCTANTS = 8, ISO_OCTANT_MOST = 63 };
 void iso_occupancy_octants(const size_t count[3], const uint8_t *occupied, int threads, uint8_t *restrict octants);
-
-#endif

@@ -22,8 +22,7 @@
  *
  * Placement depends only on the levels and the visible bricks: fine bricks first,
  * then by index. */
-#ifndef ISO_PACK_H
-#define ISO_PACK_H
+#pragma once
 
 #include "brick/bricks.h"
 #include "tf/tf.h"
@@ -64,5 +63,3 @@ bool iso_brick_shows(const iso_brick_field *f, const iso_tf_table *tf, const siz
  * NULL. */
 void iso_brick_cull(const iso_brick_field *f, const iso_tf_table *tf, const uint8_t *wanted, int threads,
                     uint8_t *restrict visible);
-
-#endif

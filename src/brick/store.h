@@ -6,8 +6,7 @@
  * the same face, edge or corner; nothing further away matters. So an update bakes bricks that are new or have
  * another level, and those next to a brick whose level changed. The result is the same, byte for byte, as that of a
  * full bake. */
-#ifndef ISO_STORE_H
-#define ISO_STORE_H
+#pragma once
 
 #include "brick/bricks.h"
 
@@ -26,5 +25,3 @@ void iso_brick_store_destroy(iso_brick_store *store); /* accepts empty and NULL 
 
 /* True if both stores have the same bricks with the same bytes. */
 bool iso_brick_store_equal(const iso_brick_store *a, const iso_brick_store *b, const iso_node_levels *n);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* bench.h - measures time, bytes and error of the settings of a chart. Pyramids, transfer functions of levels,
  * palettes, plans and reference images are made on first use. */
-#ifndef ISO_CHART_BENCH_H
-#define ISO_CHART_BENCH_H
+#pragma once
 
 #include "brick/bricks.h"
 #include "chart/grid.h"
@@ -105,5 +104,3 @@ iso_status iso_chart_bench_measure(iso_chart_bench *b, iso_chart_case *c, iso_er
 /* Times a measured setting again. Repeats are spread over the run, so that load on the machine affects all settings
  * equally. */
 iso_status iso_chart_bench_time_again(iso_chart_bench *b, iso_chart_case *c, iso_error *err);
-
-#endif

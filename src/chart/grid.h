@@ -2,8 +2,7 @@
 /* grid.h - the settings that `isoshade chart` tries, most important first: a grid of renderer, step, quadrature,
  * estimator, level, direction filter, code, transfer function and plan. Settings that would repeat others are left
  * out. */
-#ifndef ISO_CHART_GRID_H
-#define ISO_CHART_GRID_H
+#pragma once
 
 #include "renderers/renderers.h"
 #include "compare/metrics.h"
@@ -102,5 +101,3 @@ void iso_chart_name_shading(const iso_chart_case *c, char *text, size_t size);
 const char *iso_chart_name_tf(const iso_chart_case *c);
 /* Writes the series of a setting: those of a series share a color in the chart. */
 void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size);
-
-#endif

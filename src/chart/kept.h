@@ -7,8 +7,7 @@
  *
  * When the chart is finished, the folder becomes DIR and keeps these files. So a finished chart can be continued too,
  * with a larger budget or with more values on its axes. */
-#ifndef ISO_CHART_KEPT_H
-#define ISO_CHART_KEPT_H
+#pragma once
 
 #include "base/file.h"
 #include "chart/bench.h"
@@ -39,5 +38,3 @@ void iso_chart_kept_close(iso_chart_kept_file *k);
 
 /* Writes "reference-brain.exr", or "reference.exr" if there is one scene. */
 void iso_chart_reference_name(const iso_chart_bench *b, size_t scene, char *text, size_t size);
-
-#endif

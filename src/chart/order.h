@@ -7,8 +7,7 @@
  *   beaten         another setting of the scene is as fast as this one is estimated to be, and its error is below
  *                  the floor that the coarser steps of this one predict
  * The order depends on the measurements alone, never on a clock. */
-#ifndef ISO_CHART_ORDER_H
-#define ISO_CHART_ORDER_H
+#pragma once
 
 #include "chart/grid.h"
 
@@ -28,5 +27,3 @@ bool iso_chart_matters(const iso_chart_case *cases, size_t count, const iso_char
 /* Returns the first open setting that matters, or if none does the first open one; count if none is open. Marks
  * deferred settings as put_off. */
 size_t iso_chart_next(iso_chart_case *cases, size_t count, const iso_chart_outlook *outlook);
-
-#endif

@@ -2,8 +2,7 @@
 /* pareto.h - the Pareto front of settings: those for which no other is both cheaper and more exact.
  *
  * Smaller costs and errors are better. NaN and infinite ones are never on the front and never chosen. */
-#ifndef ISO_CHART_PARETO_H
-#define ISO_CHART_PARETO_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -15,5 +14,3 @@ void iso_pareto_front(const double *cost, const double *error, size_t count, boo
 /* Returns the cheapest entry with error at most `limit`; among equal costs, the smallest tie (e.g. time among equal
  * bytes). Returns count if there is none. */
 size_t iso_pareto_choose(const double *cost, const double *tie, const double *error, size_t count, double limit);
-
-#endif

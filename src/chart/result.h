@@ -9,8 +9,7 @@
  *         reference.exr      the reference image; for several scenes reference-SCENE.exr
  *         settings.jsonl     measurements, for --resume (kept.h)
  *         palette-N.csv      the palettes that settings use */
-#ifndef ISO_CHART_RESULT_H
-#define ISO_CHART_RESULT_H
+#pragma once
 
 #include "chart/bench.h"
 
@@ -86,5 +85,3 @@ json_t *iso_chart_result_json(const iso_chart_result *r);
 /* Writes the files to `folder`, which becomes r->output. */
 iso_status iso_chart_result_write(const iso_chart_result *r, const char *folder, const json_t *json, iso_error *err);
 void iso_chart_result_print(const iso_chart_result *r);
-
-#endif

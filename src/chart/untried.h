@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* untried.h - values of the axes that a chart had no time for: "level 2", "step 0.5". */
-#ifndef ISO_CHART_UNTRIED_H
-#define ISO_CHART_UNTRIED_H
+#pragma once
 
 #include "chart/result.h"
 
@@ -15,5 +14,3 @@ typedef struct iso_chart_tags {
 /* Allocates the list. ISO_E_MEMORY. */
 iso_status iso_chart_find_untried(const iso_chart_result *r, iso_chart_tags **untried);
 void iso_chart_free_untried(iso_chart_tags *untried); /* accepts NULL */
-
-#endif

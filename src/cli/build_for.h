@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* build_for.h - `isoshade build VOLUME --for SCENE|first`: levels that best show a scene or a first picture
  * (plan/scene_levels.h). */
-#ifndef ISO_CLI_BUILD_FOR_H
-#define ISO_CLI_BUILD_FOR_H
+#pragma once
 
 #include "options/cli.h"
 #include "plan/optimize.h"
@@ -33,5 +32,3 @@ iso_status iso_cli_check_memory(const char *option, const char *volume, const is
 /* Writes "level 2: fitted, 1 - SSIM .041 (as-built .063, least-squares .049)", for people. Returns text. */
 struct iso_scene_level;
 char *iso_cli_scene_level_text(const struct iso_scene_level *made, size_t level, char *text, size_t size);
-
-#endif

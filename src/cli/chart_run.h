@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* chart_run.h - `isoshade chart`: measures settings of one or several scenes within a budget, and writes the chart. */
-#ifndef ISO_CLI_CHART_RUN_H
-#define ISO_CLI_CHART_RUN_H
+#pragma once
 
 #include "chart/result.h"
 #include "options/cli.h"
@@ -22,5 +21,3 @@ typedef struct iso_chart_arguments {
 
 /* Runs `isoshade chart`. ISO_E_DIFFERS: no measured setting has the wanted error. */
 iso_status iso_cli_chart(const iso_chart_arguments *a, const iso_cli *cli, iso_error *err);
-
-#endif

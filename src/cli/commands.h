@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* commands.h - the list of commands, in the order of --help. src/cli/cmd_NAME.c defines iso_command_NAME. */
-#ifndef ISO_CLI_COMMANDS_H
-#define ISO_CLI_COMMANDS_H
+#pragma once
 
 #include "options/cli.h"
 
@@ -31,5 +30,3 @@
 extern const iso_command *const iso_benchmarks[]; /* ends with NULL */
 /* Finds a benchmark by the word after "bench". NULL if there is none. */
 const iso_command *iso_benchmark_find(const char *name);
-
-#endif

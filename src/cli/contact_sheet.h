@@ -4,8 +4,7 @@
  *     +---------+---------+--------  columns: a multiple of `group`, so that a group stays in one row
  *     | picture | picture |
  *     | 1 label | 2 label | */
-#ifndef ISO_CLI_CONTACT_SHEET_H
-#define ISO_CLI_CONTACT_SHEET_H
+#pragma once
 
 #include <jansson.h>
 
@@ -31,5 +30,3 @@ iso_status iso_contact_sheet_draw(iso_contact_sheet *s, size_t group, const char
 /* Returns [{"number": 1, "label", "command", "left", "top", "size"}]. */
 json_t *iso_contact_sheet_to_json(const iso_contact_sheet *s);
 void iso_contact_sheet_destroy(iso_contact_sheet *s); /* accepts empty */
-
-#endif

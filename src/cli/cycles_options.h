@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cycles_options.h - options for the Blender program and the device of its Cycles. */
-#ifndef ISO_CLI_CYCLES_OPTIONS_H
-#define ISO_CLI_CYCLES_OPTIONS_H
+#pragma once
 
 #include "base/json.h"
 #include "base/status.h"
@@ -23,5 +22,3 @@ iso_status iso_cli_take_cycles(const iso_cli_cycles *a, const char *with, iso_er
 
 /* Prints a line for each pair of Blenders in a report: the largest change, and whether it exceeds the noise. */
 void iso_cli_print_versions(const json_t *report);
-
-#endif

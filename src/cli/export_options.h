@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* export_options.h - checks the options of `isoshade export` with each other and with the target. */
-#ifndef ISO_EXPORT_OPTIONS_H
-#define ISO_EXPORT_OPTIONS_H
+#pragma once
 
 #include "cli/cycles_options.h"
 #include "options/adapted.h"
@@ -38,5 +37,3 @@ bool iso_export_is_shown(const iso_export_arguments *a, const iso_export_target 
 /* Finds the target, and checks the options before the work. ISO_E_USAGE, ISO_E_RANGE: options that exclude each other
  * or have no effect; ISO_E_IO: a file was changed by hand. */
 iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **target, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* export_several.h - exports several volumes in one scene: channels of a file, and volumes of --add. */
-#ifndef ISO_CLI_EXPORT_SEVERAL_H
-#define ISO_CLI_EXPORT_SEVERAL_H
+#pragma once
 
 #include "options/cli.h"
 #include "scene/subject.h"
@@ -20,5 +19,3 @@ typedef struct iso_export_several {
 } iso_export_several;
 
 iso_status iso_export_several_volumes(const iso_export_several *several, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* histogram_picture.h - draws a volume's histogram with gnuplot, or as text: counts on a logarithmic axis. */
-#ifndef ISO_CLI_HISTOGRAM_PICTURE_H
-#define ISO_CLI_HISTOGRAM_PICTURE_H
+#pragma once
 
 #include <stdio.h>
 
@@ -20,5 +19,3 @@ iso_status iso_histogram_draw(const iso_value_histogram *h, const char *title, c
 
 /* Prints the histogram as text: rows of logarithmic counts over an axis of values. indent: blanks before each line. */
 void iso_histogram_print(const iso_value_histogram *h, int indent, FILE *f);
-
-#endif

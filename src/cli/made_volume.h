@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* made_volume.h - makes the volumes of a suite's scenes by the words that they give for `isoshade make`. */
-#ifndef ISO_CLI_MADE_VOLUME_H
-#define ISO_CLI_MADE_VOLUME_H
+#pragma once
 
 #include "base/status.h"
 
@@ -9,5 +8,3 @@
  * without -o and without common options such as --no-sandbox, which would affect the whole process. ISO_E_FORMAT
  * otherwise. */
 iso_status iso_cli_make_volume(const char *words, const char *path, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* manual.h - prints the manual page isoshade(1) and shell completions from the tables of commands and options. */
-#ifndef ISO_CLI_MANUAL_H
-#define ISO_CLI_MANUAL_H
+#pragma once
 
 #include <stdio.h>
 
@@ -11,5 +10,3 @@
 void iso_manual_print_page(FILE *f);
 /* Prints the completion function of a shell, "bash" or "zsh"; otherwise ISO_E_USAGE. */
 iso_status iso_manual_print_completion(FILE *f, const char *shell, iso_error *err);
-
-#endif

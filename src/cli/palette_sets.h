@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* palette_sets.h - gathers the directions for the palettes of `isoshade palette`. */
-#ifndef ISO_PALETTE_SETS_H
-#define ISO_PALETTE_SETS_H
+#pragma once
 
 #include "options/cli.h"
 #include "options/input.h"
@@ -25,5 +24,3 @@ iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *pa
 /* Gathers the directions of levels first to last: floats if the pyramid keeps them, otherwise decoded ones. */
 iso_status iso_palette_pyramid_set(const iso_palette_arguments *a, const iso_pyramid *p, size_t first, size_t last,
                                    iso_direction_set *set, iso_error *err);
-
-#endif

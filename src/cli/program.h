@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* program.h - main() of programs with commands, isoshade and isoshade-lab: finds and runs a command, prints its error
  * and returns its exit code (base/status.h). */
-#ifndef ISO_CLI_PROGRAM_H
-#define ISO_CLI_PROGRAM_H
+#pragma once
 
 #include "options/cli.h"
 
@@ -21,5 +20,3 @@ enum { ISO_PROGRAM_NO_WORD = -1 };
 
 /* Runs the program; called once, from main(). */
 int iso_program_main(const iso_program *program, int argc, const char **argv);
-
-#endif

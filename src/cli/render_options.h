@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* render_options.h - checks the options of `isoshade render`, and turns them into options of the renderer. */
-#ifndef ISO_RENDER_OPTIONS_H
-#define ISO_RENDER_OPTIONS_H
+#pragma once
 
 #include <math.h>
 
@@ -43,5 +42,3 @@ iso_status iso_render_take_options(const iso_render_arguments *a, int threads, i
 /* Writes the renderer's quadratures, such as "midpoint or preintegrated". mark: True to mark the default. Returns
  * text. */
 const char *iso_render_list_quadratures(const iso_renderer_info *renderer, bool mark, char text[160]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* render_result.h - saves the picture of `isoshade render`, and reports on it. */
-#ifndef ISO_RENDER_RESULT_H
-#define ISO_RENDER_RESULT_H
+#pragma once
 
 #include "cli/render_options.h"
 #include "image/image.h"
@@ -32,5 +31,3 @@ void iso_render_report(const iso_render_arguments *a, const iso_cli *cli, const 
                        const iso_visible *visible, const iso_rendered *done);
 /* Reports the bricks per level. */
 void iso_render_report_cache(const iso_cached_report *r, const iso_cli *cli);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* renderer_help.h - texts for --help that name renderers: `describe` of an option's row (options/option.h). */
-#ifndef ISO_CLI_RENDERER_HELP_H
-#define ISO_CLI_RENDERER_HELP_H
+#pragma once
 
 #include "options/option.h"
 #include "renderers/renderers.h"
@@ -16,5 +15,3 @@ char *iso_help_names_usual(const iso_option *option);     /* those that take par
 #define ISO_NAMES_RENDERERS(traits) .describe = iso_help_names_renderers, .about = (traits)
 #define ISO_NAMES_CHOICE(traits) .describe = iso_help_names_choice, .about = (traits)
 #define ISO_NAMES_USUAL(traits) .describe = iso_help_names_usual, .about = (traits)
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* scenes_write.h - `isoshade scenes --write DIR`: writes requests to render elsewhere (validate/elsewhere.h). */
-#ifndef ISO_CLI_SCENES_WRITE_H
-#define ISO_CLI_SCENES_WRITE_H
+#pragma once
 
 #include "options/cli.h"
 #include "options/look.h"
@@ -18,5 +17,3 @@ typedef struct iso_scenes_write {
 } iso_scenes_write;
 
 iso_status iso_scenes_write_all(const iso_scenes_write *w, iso_error *err);
-
-#endif

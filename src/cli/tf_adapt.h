@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* tf_adapt.h - `isoshade tf adapt`: adapts a transfer function to each coarse level, and decides whether to use it. */
-#ifndef ISO_CLI_TF_ADAPT_H
-#define ISO_CLI_TF_ADAPT_H
+#pragma once
 
 #include "options/adapted.h"
 #include "options/cli.h"
@@ -30,5 +29,3 @@ iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, const iso_subject_
                                    const iso_pyramid_options *build, iso_pyramid *p, iso_error *err);
 /* Makes the table of the look's transfer function. */
 iso_status iso_cli_tf_tabulate(const iso_subject_look *look, const iso_pyramid *p, iso_tf_table *table, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* tf_bound.h - `isoshade tf bound`: bounds the error of images of coarse levels. */
-#ifndef ISO_TF_BOUND_H
-#define ISO_TF_BOUND_H
+#pragma once
 
 #include "options/adapted.h"
 #include "options/cli.h"
@@ -17,5 +16,3 @@ typedef struct iso_tf_bound_arguments {
 } iso_tf_bound_arguments;
 
 iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err);
-
-#endif

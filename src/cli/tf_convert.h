@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* tf_convert.h - `isoshade tf convert` and `tf names`: read and write transfer functions of other programs. */
-#ifndef ISO_CLI_TF_CONVERT_H
-#define ISO_CLI_TF_CONVERT_H
+#pragma once
 
 #include "cli/tf_adapt.h"
 
@@ -18,5 +17,3 @@ void iso_cli_tf_table_destroy(iso_cli_tf_table *t);
 
 iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err);
 iso_status iso_cli_tf_names(const iso_tf_arguments *a, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* validate_options.h - checks the options of `isoshade validate`, and has their defaults. */
-#ifndef ISO_VALIDATE_OPTIONS_H
-#define ISO_VALIDATE_OPTIONS_H
+#pragma once
 
 #include <math.h>
 
@@ -32,5 +31,3 @@ size_t iso_validate_limit_size(const iso_validate_arguments *a);
 /* Checks the options before the work. *build gets the code. ISO_E_USAGE, ISO_E_RANGE, ISO_E_IO. */
 iso_status iso_validate_check_arguments(const iso_validate_arguments *a, const iso_cli *cli, iso_pyramid_options *build,
                                         iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* validate_result.h - the final output and exit code of `isoshade validate`. */
-#ifndef ISO_VALIDATE_RESULT_H
-#define ISO_VALIDATE_RESULT_H
+#pragma once
 
 #include "options/cli.h"
 #include "report/levels.h"
@@ -14,5 +13,3 @@ iso_status iso_cli_validate_verdict(const iso_validation *v, const iso_report_su
 /* Prints the verdicts, skipped comparisons with reasons, and the report's path; with --json the report itself. */
 void iso_cli_validate_print(const char *output, const iso_cli *cli, const iso_validation *v,
                             const iso_report_summary *s, const iso_levels_summary *levels);
-
-#endif

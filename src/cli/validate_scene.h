@@ -2,8 +2,7 @@
 /* validate_scene.h - DIR.scene.json, which validate writes next to its report if the scene has no file.
  *
  * Its comment has a checksum of the rest, so that the next run replaces it only if it is unchanged. */
-#ifndef ISO_CLI_VALIDATE_SCENE_H
-#define ISO_CLI_VALIDATE_SCENE_H
+#pragma once
 
 #include "scene/scene.h"
 
@@ -15,5 +14,3 @@ iso_status iso_validate_scene_name(const char *report, char **path, iso_error *e
 iso_status iso_validate_scene_guard(const char *path, iso_error *err);
 
 iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso_error *err);
-
-#endif

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* validate_viewer.h - writes a viewer page next to a report (validate --viewer). */
-#ifndef ISO_CLI_VALIDATE_VIEWER_H
-#define ISO_CLI_VALIDATE_VIEWER_H
+#pragma once
 
 #include "validate/validate.h"
 
 /* Writes DIR/viewer-SCENE.html, and "viewers" in the report, to link rows to their level in the page. Levels with more
  * voxels than a page may hold are left out. */
 iso_status iso_validate_save_viewer(const iso_validation *v, iso_error *err);
-
-#endif

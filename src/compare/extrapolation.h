@@ -8,8 +8,7 @@
  *
  * Only images and numbers: validate/limits.h runs the renderers and chooses the steps. Tolerances that a person sets
  * are iso_tolerances (compare/metrics.h). */
-#ifndef ISO_EXTRAPOLATION_H
-#define ISO_EXTRAPOLATION_H
+#pragma once
 
 #include "compare/statistics.h"
 #include "image/image.h"
@@ -114,5 +113,3 @@ double iso_extrapolated_held_to(const iso_extrapolated *limit);
 /* Returns the part of the error that is left after halving the step, about 1/4; rounding and noise are subtracted. 0
  * if no error is left. */
 double iso_extrapolated_error_left(const iso_extrapolated *limit);
-
-#endif

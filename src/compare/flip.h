@@ -6,8 +6,7 @@
  * Values lie in [0, 1]; 0: no visible difference. Symmetric in the two
  * images (LDR); HDR takes its exposures from the first, the reference.
  * Threads do not change the result. */
-#ifndef ISO_FLIP_H
-#define ISO_FLIP_H
+#pragma once
 
 #include "image/image.h"
 
@@ -30,5 +29,3 @@ iso_status iso_flip_hdr(const iso_image *reference, const iso_image *b, double p
 
 /* Returns the mean of a map, summed in order. */
 double iso_flip_mean(const float *map, size_t count);
-
-#endif

@@ -6,8 +6,7 @@
  *   SSIM  [wang-2004]: luma, Gaussian window 11x11, sigma 1.5, K = .01, .03.
  *   FLIP  [andersson-2020] (LDR), at 67 pixels per degree.
  * A comparison with a non-finite pixel, of different sizes or of pictures that begin elsewhere, fails. */
-#ifndef ISO_METRICS_H
-#define ISO_METRICS_H
+#pragma once
 
 #include "base/json.h"
 #include "image/image.h"
@@ -34,5 +33,3 @@ json_t *iso_metrics_to_json(const iso_metrics *m);
 
 /* Creates an image of |a - b| of the colors, scaled. scale 0: the largest difference becomes 1. */
 iso_status iso_image_difference(const iso_image *a, const iso_image *b, double scale, iso_image *out, iso_error *err);
-
-#endif

@@ -5,8 +5,7 @@
  * differences view by view, and an interval that holds the mean over all views with a given confidence. The interval
  * is by Student's t with count - 1 degrees of freedom. Few views have wide intervals: at 95 % half the width is 2.48
  * standard deviations of the differences for 3 views, 1.05 for 6 and .47 for 20. */
-#ifndef ISO_PAIRED_H
-#define ISO_PAIRED_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -29,5 +28,3 @@ bool iso_paired_is_larger(iso_paired p, double margin);
 
 /* Returns t with P(|T| <= t) = confidence. */
 double iso_student_quantile(double confidence, double degrees_of_freedom);
-
-#endif

@@ -8,8 +8,7 @@
  * The signal has the limit's measure. For a limit of the RMSE or of the largest difference it is the RMS, which the
  * largest difference always reaches, so that this is the stricter choice. For a limit that 99 % of the pixels stay
  * below, it is the least value of the brightest 1 % of the pixels. */
-#ifndef ISO_SIGNAL_H
-#define ISO_SIGNAL_H
+#pragma once
 
 #include "image/image.h"
 
@@ -33,5 +32,3 @@ void iso_signal_explain(const iso_signal *signal, char *text, size_t size);
 
 /* True if all pixels equal the background in every bit, with alpha 0. */
 bool iso_image_is_empty(const iso_image *image, const double background[3]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* srgb.h - the transfer curve of IEC 61966-2-1, on values clipped to [0, 1]. */
-#ifndef ISO_SRGB_H
-#define ISO_SRGB_H
+#pragma once
 
 #include <math.h>
 
@@ -14,5 +13,3 @@ static inline double iso_srgb_encode(double linear)
         return 1;
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
 }
-
-#endif

@@ -4,8 +4,7 @@
  * [wang-2004] Eq. 13 with a Gaussian window of 11x11, sigma 1.5, K1 = .01, K2 = .03, L = 1, on one channel.
  * Windows lie wholly inside the image, as in the authors' program; an image with
  * fewer than 11 rows or columns takes windows cut at its border instead. */
-#ifndef ISO_SSIM_H
-#define ISO_SSIM_H
+#pragma once
 
 #include "image/image.h"
 
@@ -17,5 +16,3 @@ iso_status iso_ssim_mean(const iso_image *a, const iso_image *b, double *mean, i
  * background, equal in all images, does not thin the difference. 1 if both images are empty. */
 #define ISO_SSIM_FOREGROUND (1 / 255.0)
 iso_status iso_ssim_foreground(const iso_image *a, const iso_image *b, double *mean, iso_error *err);
-
-#endif

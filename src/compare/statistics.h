@@ -15,8 +15,7 @@
  * which are smaller by the root of the number of pixels. The test assumes normal noise. With bounded noise (a step of
  * random phase) n values are equal more often, and false alarms are 2.7 times as frequent for n = 3 and 4.9 times for n
  * = 4 by the own spread; the neighbors, and the tolerance for the error of the step, cover that. */
-#ifndef ISO_STATISTICS_H
-#define ISO_STATISTICS_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -88,5 +87,3 @@ static inline double iso_larger(double worst, double difference)
 {
     return worst >= difference || isnan(worst) ? worst : difference;
 }
-
-#endif

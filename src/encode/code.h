@@ -23,8 +23,7 @@
  * Linear codes (decode(e) = e) look the same in every renderer that filters vectors;
  * codes that keep the length also store coherence. The others store directions alone.
  * doc/results/direction-codes.md has the errors of each at voxels and between them. */
-#ifndef ISO_CODE_H
-#define ISO_CODE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -90,5 +89,3 @@ void iso_code_decode_all(iso_code code, const uint8_t *restrict bytes, float *re
 
 /* Computes n = d / sqrt(|d|^2 + eps^2). */
 void iso_code_normal(const double d[3], double n[3]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* code_kernel.h - the rows of the table of codes. Private to src/encode. */
-#ifndef ISO_CODE_KERNEL_H
-#define ISO_CODE_KERNEL_H
+#pragma once
 
 #include "encode/code.h"
 #include "encode/decode_double.h"
@@ -9,5 +8,3 @@
 #define ISO_CODE_DECLARE(code, row) extern const iso_code_info iso_code_##row;
 ISO_CODE_LIST(ISO_CODE_DECLARE)
 #undef ISO_CODE_DECLARE
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* decode_double.h - code_decode.h in double precision, for C. */
-#ifndef ISO_DECODE_DOUBLE_H
-#define ISO_DECODE_DOUBLE_H
+#pragma once
 
 #include "base/linalg.h"
 
@@ -11,5 +10,3 @@
 #define ISO_SQRT(x) sqrt(x)
 #define ISO_ABS(x) fabs(x)
 #include "encode/code_decode.h"
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* encode_kernel.h - the encoders, one per code. They cannot fail, allocate or print.
  * directions: 3 finite floats each; bytes: 3 each, 6 for half. */
-#ifndef ISO_ENCODE_KERNEL_H
-#define ISO_ENCODE_KERNEL_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -26,5 +25,3 @@ ISO_ENCODER_LIST(ISO_ENCODER_DECLARE)
 #undef ISO_ENCODER_DECLARE
 
 void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, size_t count);
-
-#endif

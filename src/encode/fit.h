@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* fit.h - the constants of the best fits, shared by the encoders and their exact
  * counterparts. */
-#ifndef ISO_ENCODE_FIT_H
-#define ISO_ENCODE_FIT_H
+#pragma once
 
 /* The fit minimizes the error across the direction plus mu times the error along it (the length): a length may be off
  * by 1/mu times as much as a direction. If two directions theta apart are filtered, a relative difference of their
@@ -26,5 +25,3 @@
 
 /* Smallest length used by code "shell"; the largest is 1. */
 #define ISO_SHELL_MIN 0.95
-
-#endif

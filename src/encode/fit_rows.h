@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* fit_rows.h - the codes "fit" and "snorm" over rows of components, for the build of a
  * pyramid; equal to iso_encode_fit and iso_encode_snorm for triples. */
-#ifndef ISO_ENCODE_FIT_ROWS_H
-#define ISO_ENCODE_FIT_ROWS_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -16,5 +15,3 @@ void iso_snorm_rows(const float *restrict x, const float *restrict y, const floa
 /* Does the work of iso_fit_rows() without the instructions of newer machines. */
 void iso_fit_rows_baseline(const float *restrict x, const float *restrict y, const float *restrict z, size_t count,
                            uint32_t *restrict words);
-
-#endif

@@ -3,8 +3,7 @@
  * instruction set. A kernel is an always_inline body, instantiated for AVX2 and for the
  * baseline and chosen at run time (ISO_SIMD_ENCODER). Products and sums are not fused,
  * except in one kernel that states it: both instances give the same bytes. */
-#ifndef ISO_ENCODE_SIMD_H
-#define ISO_ENCODE_SIMD_H
+#pragma once
 
 #include <math.h>
 #include <stddef.h>
@@ -126,5 +125,3 @@ ISO_INLINE void iso_block_store(const iso_block *b, uint8_t *restrict bytes, siz
         iso_block_store(&b, bytes + 3 * start, n);                                        \
     }
 /* clang-format on */
-
-#endif

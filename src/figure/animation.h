@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* animation.h - an animated PNG with the chunks acTL, fcTL and fdAT (PNG, third edition). Browsers and viewers play
  * it; other programs show the first frame. Colors are exactly those of the pictures. */
-#ifndef ISO_FIGURE_ANIMATION_H
-#define ISO_FIGURE_ANIMATION_H
+#pragma once
 
 #include <stddef.h>
 
@@ -17,5 +16,3 @@ iso_status iso_animation_add(iso_animation *a, const iso_image *image, iso_error
 /* Finishes the file. ISO_E_IO; ISO_E_RANGE: the number of added frames is not `frames`. */
 iso_status iso_animation_finish(iso_animation *a, iso_error *err);
 void iso_animation_destroy(iso_animation *a); /* accepts NULL */
-
-#endif

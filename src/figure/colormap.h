@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* colormap.h - color maps by name, for numbers. Lightness rises evenly, so that maps can be read in gray prints and
  * by people with color blindness. */
-#ifndef ISO_FIGURE_COLORMAP_H
-#define ISO_FIGURE_COLORMAP_H
+#pragma once
 
 #include <stdint.h>
 
@@ -22,5 +21,3 @@ extern const iso_names iso_colormap_names;
 iso_status iso_colormap_from_name(const char *name, const iso_colormap **map, iso_error *err);
 /* Looks up t from 0 to 1, clamped; sRGB. */
 void iso_colormap_lookup(const iso_colormap *map, double t, unsigned char rgb[3]);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* columns.h - several pictures of one subject side by side, rendered for print with one pixel per dot. Below each
  * there may be an inset, and a map of its difference from the first. */
-#ifndef ISO_FIGURE_COLUMNS_H
-#define ISO_FIGURE_COLUMNS_H
+#pragma once
 
 #include "figure/tf_bar.h"
 
@@ -28,5 +27,3 @@ typedef struct iso_figure_columns {
 /* Draws pictures and maps, and writes the caption: "Name: RMSE .., ...", scale bar, inset, colors. before: writes
  * the start of the caption, once the size of the pictures is known. */
 iso_status iso_figure_draw_columns(const iso_figure_columns *columns, iso_page *page, iso_error *err);
-
-#endif

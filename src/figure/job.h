@@ -4,8 +4,7 @@
  * A kind is one struct: its name, a summary, its inputs and options, and a function that lays out a page (page.h)
  * and puts pictures, plots and text on it. kinds.c has the table; --kind, --help, `isoshade list` and the checks of
  * options read it. Files, formats and the caption are made from the page in the same way for all kinds. */
-#ifndef ISO_FIGURE_JOB_H
-#define ISO_FIGURE_JOB_H
+#pragma once
 
 #include "figure/colormap.h"
 #include "figure/page.h"
@@ -85,5 +84,3 @@ const char *iso_figure_usual_kind(const char *input);
 /* Makes DIR with the figure in all formats and its caption, completely or not at all. ISO_E_USAGE and ISO_E_RANGE
  * for options; errors of reading, rendering and drawing. */
 iso_status iso_figure_make(const iso_figure_job *job, iso_error *err);
-
-#endif

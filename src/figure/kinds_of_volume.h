@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* kinds_of_volume.h - kinds of figures of one volume; levels.h has those that compare. */
-#ifndef ISO_FIGURE_KINDS_OF_VOLUME_H
-#define ISO_FIGURE_KINDS_OF_VOLUME_H
+#pragma once
 
 #include "figure/job.h"
 
@@ -13,5 +12,3 @@ extern const iso_figure_info iso_figure_plan;      /* planned.c */
 extern const iso_figure_info iso_figure_grid;      /* grid.c */
 extern const iso_figure_info iso_figure_failure;   /* failure.c; has its own volume */
 extern const iso_figure_info iso_figure_chart;     /* charted.c; of a chart */
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* levels.h - figures that compare levels, renderers or methods side by side, in the scene's view and aspect. */
-#ifndef ISO_FIGURE_LEVELS_H
-#define ISO_FIGURE_LEVELS_H
+#pragma once
 
 #include "figure/job.h"
 
@@ -9,5 +8,3 @@ extern const iso_figure_info iso_figure_levels, iso_figure_renderers, iso_figure
 
 /* Returns a method of directions in words; other names unchanged. */
 const char *iso_figure_method_words(const char *name);
-
-#endif

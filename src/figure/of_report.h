@@ -11,8 +11,7 @@
  * job->methods: "naive,moments,moments+adapted" (iso_report_consistency_name()), in the report's order; NULL: the first
  * and the last under the original TF. job->variant: comparisons whose name contains it; NULL: those without method and
  * TF. job->look.scene: name of a scene in the report of a suite. */
-#ifndef ISO_FIGURE_OF_REPORT_H
-#define ISO_FIGURE_OF_REPORT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -22,5 +21,3 @@ bool iso_figure_is_of_report(const iso_figure_job *job);
 /* Draws a report. ISO_E_FORMAT: not a report; ISO_E_RANGE: nothing to show, or an unknown method. */
 iso_status iso_figure_levels_of_report(const iso_figure_job *job, iso_page *page, iso_error *err);
 iso_status iso_figure_renderers_of_report(const iso_figure_job *job, iso_page *page, iso_error *err);
-
-#endif

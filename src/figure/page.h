@@ -12,8 +12,7 @@
  * Pictures are aligned to a grid of dots and never resampled. Calls that put something store the first error, which
  * iso_page_finish() returns, so that a layout needs no checks. Order: pictures are below plots, plots below texts,
  * lines and rectangles. */
-#ifndef ISO_FIGURE_PAGE_H
-#define ISO_FIGURE_PAGE_H
+#pragma once
 
 #include <stdio.h>
 
@@ -140,5 +139,3 @@ double iso_page_tick_step(const double range[2], int most);
 iso_status iso_page_finish(iso_page *page, const char *forms, int with_sources, iso_error *err);
 /* Checks a list of formats. ISO_E_USAGE: an unknown one. */
 iso_status iso_page_check_forms(const char *forms, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* page_png.h - composes the PNG of a page: pictures, and gnuplot's drawing over them. */
-#ifndef ISO_FIGURE_PAGE_PNG_H
-#define ISO_FIGURE_PAGE_PNG_H
+#pragma once
 
 #include <stddef.h>
 
@@ -17,5 +16,3 @@ typedef struct iso_page_pixels {
  * resolution. ISO_E_FORMAT: it has another size. */
 iso_status iso_page_png_compose(const char *path, const iso_page_pixels *pictures, size_t count, size_t wide,
                                 size_t high, double dpi, iso_error *err);
-
-#endif

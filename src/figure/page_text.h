@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* page_text.h - widths of texts, and texts in gnuplot's and LaTeX's syntax. */
-#ifndef ISO_FIGURE_PAGE_TEXT_H
-#define ISO_FIGURE_PAGE_TEXT_H
+#pragma once
 
 #include <stddef.h>
 #include <stdio.h>
@@ -15,5 +14,3 @@ void iso_page_number(double value, double apart, char text[64]);
 void iso_page_power_of_ten(int exponent, char text[24]);
 /* Writes "say(note_pt, 'plain', 'for LaTeX')", an expression of page.gp. role_pt: "note_pt". */
 void iso_page_text_put(FILE *gp, const char *role_pt, const char *text);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* paper.h - panels in rows, as the figures of papers have them. */
-#ifndef ISO_FIGURE_PAPER_H
-#define ISO_FIGURE_PAPER_H
+#pragma once
 
 #include "figure/job.h"
 
@@ -39,5 +38,3 @@ iso_page_box iso_paper_picture(const iso_paper *p, size_t row, size_t column, co
                                const iso_image *image);
 /* Returns the box without its size, for contents with one pixel per dot. */
 iso_page_box iso_paper_corner(iso_page_box box);
-
-#endif

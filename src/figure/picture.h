@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* picture.h - the subject of a figure's pictures, and rendering for print. */
-#ifndef ISO_FIGURE_PICTURE_H
-#define ISO_FIGURE_PICTURE_H
+#pragma once
 
 #include "figure/job.h"
 #include "renderers/renderers.h"
@@ -51,5 +50,3 @@ enum { ISO_FIGURE_MOST_PIXELS = 64 << 20 };
 void iso_figure_put_subject(const iso_figure_subject *s, FILE *caption);
 /* Returns width divided by height of the scene's picture. */
 double iso_figure_aspect(const iso_figure_subject *s);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* sheet.h - rows and columns of pictures and difference maps on a page. of_report.c fills them from a report,
  * levels.c by rendering for print. */
-#ifndef ISO_FIGURE_SHEET_H
-#define ISO_FIGURE_SHEET_H
+#pragma once
 
 #include <stdio.h>
 
@@ -48,5 +47,3 @@ double iso_figure_round_up(double number);
 
 /* Writes the colors of maps into a caption. */
 void iso_figure_describe(const iso_figure_sheet *sheet, FILE *caption);
-
-#endif

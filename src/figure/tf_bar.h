@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* tf_bar.h - a transfer function as a bar: its colors over value, with the opacity of a length, over gray squares. */
-#ifndef ISO_FIGURE_TF_BAR_H
-#define ISO_FIGURE_TF_BAR_H
+#pragma once
 
 #include "figure/picture.h"
 
@@ -33,5 +32,3 @@ iso_figure_tf_foot iso_figure_tf_foot_of(const iso_figure_subject *s);
 double iso_figure_tf_foot_mm(const iso_figure_tf_foot *foot);
 /* Puts the bar above_mm over the page's lower edge, and describes it in the caption. */
 void iso_figure_put_tf_foot(const iso_figure_tf_foot *foot, iso_page *page, double above_mm);
-
-#endif

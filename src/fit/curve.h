@@ -6,8 +6,7 @@
  * linear between its entries, constant beyond its ends. Widened, it is its mean over a window of values: a steep ramp
  * becomes a gentle one, a narrow peak a broad one. So a voxel on its wrong side has a slope that shows in
  * which direction to move. */
-#ifndef ISO_FIT_CURVE_H
-#define ISO_FIT_CURVE_H
+#pragma once
 
 #include "tf/tf.h"
 
@@ -39,5 +38,3 @@ static inline size_t iso_fit_curve_find(const iso_fit_curve *curve, float value,
     *fraction = x - (float)i;
     return i;
 }
-
-#endif

@@ -24,8 +24,7 @@
  *
  * In: the scalars of level 0 and of the level, in memory. Out: the bytes, x fastest. They depend on no thread count.
  * Cost: doc/results/extinction-scale.md. */
-#ifndef ISO_FIT_EXTINCTION_SCALE_H
-#define ISO_FIT_EXTINCTION_SCALE_H
+#pragma once
 
 #include <math.h>
 
@@ -57,5 +56,3 @@ iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_ta
  * level that was made for `original` (tf/level_look.h) or is optimized: 168 if it has none. */
 iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const iso_tf_table *original,
                                       const iso_tf_table *own, int threads, uint8_t **bytes, iso_error *err);
-
-#endif

@@ -13,8 +13,7 @@
  * side of a steep ramp has no effect. So p is first widened (curve.h), and its width is continued down to none.
  *
  * The result is the iterate of least E, so it is never farther than the start. */
-#ifndef ISO_FIT_FIT_H
-#define ISO_FIT_FIT_H
+#pragma once
 
 #include "fit/curve.h"
 #include "fit/interpolation.h"
@@ -51,5 +50,3 @@ iso_status iso_fit_error(const iso_fit_problem *problem, const iso_fit_options *
 /* Fits a level's scalars. coarse: the start, then the result. ISO_E_MEMORY. */
 iso_status iso_fit_scalar(const iso_fit_problem *problem, const iso_fit_options *opt, float *coarse,
                           iso_fit_report *report, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* fit_kernel.h - a row of fine voxels under a coarse level; private to src/fit. */
-#ifndef ISO_FIT_FIT_KERNEL_H
-#define ISO_FIT_FIT_KERNEL_H
+#pragma once
 
 #include "fit/curve.h"
 
@@ -21,5 +20,3 @@ void iso_fit_row_errors(const iso_fit_row *r, const iso_fit_curve *wide, const i
 double iso_fit_row_linearize(const iso_fit_row *r, const iso_fit_curve *curve);
 /* Sets result = weight shown. */
 void iso_fit_row_weigh(const iso_fit_row *r);
-
-#endif

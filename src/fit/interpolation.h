@@ -14,8 +14,7 @@
  * Weights are a product of one along each axis, and a coarse row is expanded along x once, not once for each fine row.
  * Cost: a gather or a scatter takes about 1 to 2.5 ns per fine voxel and thread (level 3 to 1, 256^3, AVX2).
  * Memory: each thread has a few coarse planes of fine row length; nothing grows with the fine grid. */
-#ifndef ISO_FIT_INTERPOLATION_H
-#define ISO_FIT_INTERPOLATION_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -84,5 +83,3 @@ size_t iso_interpolation_run_count(const iso_interpolation *map);
 /* Runs a pass. ISO_E_RANGE: more grids than ISO_FIT_GRIDS. ISO_E_MEMORY. */
 iso_status iso_interpolation_run(const iso_interpolation *map, const iso_interpolation_pass *pass, int threads,
                                  iso_error *err);
-
-#endif

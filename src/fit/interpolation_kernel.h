@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* interpolation_kernel.h - the loops over rows of interpolation.h. */
-#ifndef ISO_FIT_INTERPOLATION_KERNEL_H
-#define ISO_FIT_INTERPOLATION_KERNEL_H
+#pragma once
 
 #include "fit/interpolation.h"
 
@@ -13,5 +12,3 @@ void iso_interpolation_add(const float *restrict row, float w, size_t n, float *
 void iso_interpolation_expand(const iso_interpolation_axis *axis, const float *restrict row, float *restrict fine);
 /* Adds fine voxels' sums to a coarse row: the transpose. */
 void iso_interpolation_contract(const iso_interpolation_axis *axis, const float *restrict fine, float *restrict row);
-
-#endif

@@ -8,8 +8,7 @@
  * its level 0.
  *
  * Memory: iso_level_scalar_bytes(), in addition to level 0. */
-#ifndef ISO_FIT_LEVEL_SCALAR_H
-#define ISO_FIT_LEVEL_SCALAR_H
+#pragma once
 
 #include "base/names.h"
 #include "base/progress.h"
@@ -52,5 +51,3 @@ iso_status iso_level_scalars_read(const iso_pyramid *p, iso_tf_table *tf, iso_le
 /* Verifies any pyramid (iso_pyramid_verify); levels made for a scene are made again for its transfer function. */
 iso_status iso_fit_verify(const iso_pyramid *p, int threads, iso_level_check *checks, const iso_progress *progress,
                           iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* opacity_kernel.h - opacities of rows of values, in float. */
-#ifndef ISO_FIT_OPACITY_KERNEL_H
-#define ISO_FIT_OPACITY_KERNEL_H
+#pragma once
 
 #include <stddef.h>
 
@@ -32,5 +31,3 @@ void iso_slope_row(const iso_stencil_rows *rows, size_t first, size_t count, siz
 
 /* Returns sum (a - b)^2. */
 float iso_square_distance(const float *restrict a, const float *restrict b, size_t n);
-
-#endif

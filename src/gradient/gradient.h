@@ -7,8 +7,7 @@
  * so that fields linear in x, y, z are exact everywhere; an axis of one voxel
  * has no gradient along it. Index gradients go to the world by the inverse
  * transpose of index_to_world. */
-#ifndef ISO_GRADIENT_H
-#define ISO_GRADIENT_H
+#pragma once
 
 #include "base/names.h"
 #include "volume/volume.h"
@@ -66,5 +65,3 @@ iso_status iso_gradient_slab(const iso_volume *v, const iso_gradient_options *op
 /* Computes the gradients of the whole volume: 3 * iso_geometry_voxel_count() floats. */
 iso_status iso_gradient_compute(const iso_volume *v, const iso_gradient_options *opt, float *restrict out,
                                 iso_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* gradient_kernel.h - gradients of one row of samples in the type of their file. Cannot fail or allocate, and does
  * not depend on threads. */
-#ifndef ISO_GRADIENT_KERNEL_H
-#define ISO_GRADIENT_KERNEL_H
+#pragma once
 
 #include "gradient/gradient.h"
 
@@ -65,5 +64,3 @@ void iso_add_weighted_row(float weight, const float *restrict row, size_t n, flo
 
 /* Reads the row (y, z) as floats. */
 void iso_planes_row(const iso_planes *p, size_t y, size_t z, float *restrict row);
-
-#endif

@@ -4,8 +4,7 @@
  * The C library of Debian 12 (OpenEXRCore 3.1.5) decodes four half channels in reverse order and B44 wrongly, and
  * refuses DWAA and DWAB. It writes a ZIP chunk wrongly if its compressed size is its raw size. The C++ library does
  * none of that: tests/pictures_in.py holds its results against other programs, over all forms. */
-#ifndef ISO_EXR_CODEC_H
-#define ISO_EXR_CODEC_H
+#pragma once
 
 #ifdef __cplusplus
 extern "C" {
@@ -23,6 +22,4 @@ iso_status iso_exr_encode(const char *path, const iso_image *image, const iso_im
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

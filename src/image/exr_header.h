@@ -3,8 +3,7 @@
  *
  * The library reserves memory by sizes in the file before it looks for the bytes: of attributes, of strings in them, of
  * previews, and of its tables of tiles. So a file of 600 bytes can make it fill gigabytes. */
-#ifndef ISO_IMAGE_EXR_HEADER_H
-#define ISO_IMAGE_EXR_HEADER_H
+#pragma once
 
 #include <stddef.h>
 
@@ -20,6 +19,4 @@ iso_status iso_exr_header_check(const char *path, const char *data, size_t size,
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

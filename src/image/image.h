@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* image.h - float images: RGBA, linear light, premultiplied alpha, row 0 on top. iso_image, and how it is created,
  * saved as OpenEXR and PNG and loaded, stand in the library's header. */
-#ifndef ISO_IMAGE_H
-#define ISO_IMAGE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -51,5 +50,3 @@ bool iso_image_clip(iso_image *image, float most);
 
 /* True if all values are finite. */
 bool iso_image_is_finite(const iso_image *image);
-
-#endif

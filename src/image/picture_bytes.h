@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* picture_bytes.h - the kind of a picture's file by its first bytes, and readers of bytes in memory; private to this
  * folder. */
-#ifndef ISO_PICTURE_BYTES_H
-#define ISO_PICTURE_BYTES_H
+#pragma once
 
 #include "image/image.h"
 
@@ -21,5 +20,3 @@ iso_status iso_picture_read_kind(const char *path, iso_picture_kind kind, const 
 iso_status iso_png_decode(const char *path, const char *data, size_t size, bool *has_alpha, iso_image *image,
                           iso_error *err);
 iso_status iso_ppm_decode(const char *path, const char *data, size_t size, iso_image *image, iso_error *err);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * White stays white: a color is taken from one white point to the other by the Bradford transform (ISO 15076-1,
  * annex E), as color management does. */
-#ifndef ISO_PRIMARIES_H
-#define ISO_PRIMARIES_H
+#pragma once
 
 #ifdef __cplusplus
 extern "C" {
@@ -27,6 +26,4 @@ iso_status iso_primaries_convert(const char *path, const iso_primaries *from, is
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

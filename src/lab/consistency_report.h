@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* consistency_report.h - summary of the cases of `isoshade-lab consistency`. */
-#ifndef ISO_LAB_CONSISTENCY_REPORT_H
-#define ISO_LAB_CONSISTENCY_REPORT_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -15,5 +14,3 @@
  * renderer and value of "held", with means and medians of error / error of the original TF by level (0: all levels) and
  * method, the number of cases worse than the original, and the cases left out by reason. print: also prints tables. */
 json_t *iso_consistency_report(const json_t *cases, bool print);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* encode.h - parts of `isoshade-lab encode` that check the paper. Each prints a table (text) and adds to root. */
-#ifndef ISO_LAB_ENCODE_H
-#define ISO_LAB_ENCODE_H
+#pragma once
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -31,5 +30,3 @@ typedef struct iso_image_bench {
     size_t level_count; /* at most 8 */
 } iso_image_bench;
 iso_status iso_lab_encode_images(const iso_cli *cli, const iso_image_bench *b, json_t *root, iso_error *err);
-
-#endif

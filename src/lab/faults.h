@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* faults.h - planted faults: known ways for a renderer or an exporter to be wrong. Tests and `isoshade-lab power` show
  * that the check of each fault rejects it, if its amount is large enough. */
-#ifndef ISO_LAB_FAULTS_H
-#define ISO_LAB_FAULTS_H
+#pragma once
 
 #include "validate/calibrate.h"
 
@@ -89,5 +88,3 @@ iso_calibration_fault iso_planted_calibration(const iso_planted *planted);
 
 /* Calls iso_plant() with only a fault. */
 void iso_fault_plant(iso_fault fault, iso_pyramid *p, size_t level, iso_view *view);
-
-#endif

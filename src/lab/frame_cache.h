@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* frame_cache.h - images of one scene by their options, for work that requests the same ones again. */
-#ifndef ISO_LAB_FRAME_CACHE_H
-#define ISO_LAB_FRAME_CACHE_H
+#pragma once
 
 #include "renderers/renderers.h"
 
@@ -15,5 +14,3 @@ void iso_frame_cache_clear(iso_frame_cache *cache);
 
 /* Makes iso_render_several() take images from the cache; NULL: it renders all again. */
 void iso_frame_cache_use(iso_renderers *r, iso_frame_cache *cache);
-
-#endif

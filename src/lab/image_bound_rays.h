@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* image_bound_rays.h - how much of the bound of a level's image is signs (render/image_bound.h). */
-#ifndef ISO_LAB_IMAGE_BOUND_RAYS_H
-#define ISO_LAB_IMAGE_BOUND_RAYS_H
+#pragma once
 
 #include "render/image_bound.h"
 
@@ -9,5 +8,3 @@
  * It lies between the RMSE and the bound. Its excess over the RMSE is due to cancellation; the excess of the bound over
  * it is due to regions that stand for their rays. It costs as much as the images. */
 iso_status iso_image_bound_without_signs(const iso_image_bound_input *in, double *rmse, iso_error *err);
-
-#endif

@@ -2,8 +2,7 @@
 /* lab.h - the list of isoshade-lab's commands: they reproduce the four papers, rival methods and the experiments of
  * doc/results. src/lab/NAME.c defines iso_lab_NAME, an iso_command. No file outside src/lab includes one of these
  * headers. */
-#ifndef ISO_LAB_H
-#define ISO_LAB_H
+#pragma once
 
 #include "options/cli.h"
 
@@ -23,5 +22,3 @@
     X(reference) \
     X(seams) \
     X(tf)
-
-#endif

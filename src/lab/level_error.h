@@ -4,8 +4,7 @@
  * Errors are over visible pixels: those in which either image has an alpha of at least 1/255 (ISO_SSIM_FOREGROUND), so
  * that an empty background does not reduce them. Minified: both images are averaged over boxes of n x n pixels, so that
  * a pixel is about as wide as a voxel of the level, the size that levels are made for. */
-#ifndef ISO_LAB_LEVEL_ERROR_H
-#define ISO_LAB_LEVEL_ERROR_H
+#pragma once
 
 #include "image/image.h"
 
@@ -20,5 +19,3 @@ iso_status iso_level_error_measure(const iso_image *finest, const iso_image *sho
 
 /* Averages n x n pixels into *out; boxes cut by the border average the remaining pixels. */
 iso_status iso_image_minify(const iso_image *image, size_t n, iso_image *out, iso_error *err);
-
-#endif

@@ -4,8 +4,7 @@
  * A method is a row of the table in level_methods.c. Common properties are its fields: filters of the build, source of
  * directions, treatment of the transfer function. Anything else is done by `make`, which modifies a copy of the built
  * level. To add a method, add a row. */
-#ifndef ISO_LAB_LEVEL_METHODS_H
-#define ISO_LAB_LEVEL_METHODS_H
+#pragma once
 
 #include "lab/rivals/rivals.h"
 #include "pyramid/pyramid.h"
@@ -58,5 +57,3 @@ iso_status iso_level_methods_choose(const char *text, bool wanted[ISO_LEVEL_MAX_
 iso_status iso_level_show(const iso_level_method *m, const iso_level_subject *s, iso_level_shown *shown,
                           iso_error *err);
 void iso_level_shown_destroy(iso_level_shown *shown);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* level_scene.h - the levels of `build --for`, as methods of `isoshade-lab levels` (level_methods.h). */
-#ifndef ISO_LAB_LEVEL_SCENE_H
-#define ISO_LAB_LEVEL_SCENE_H
+#pragma once
 
 #include "lab/level_methods.h"
 #include "scene/scene.h"
@@ -19,5 +18,3 @@ iso_status iso_level_make_optimized_best(const iso_level_subject *s, iso_level_s
 iso_status iso_level_optimize_tf(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 /* Shows the fitted scalar without that selection. */
 iso_status iso_level_make_fitted(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* level_tfs.h - the four transfer functions of level benchmarks: fixed as fractions of a volume's range, the same for
  * all volumes. */
-#ifndef ISO_LEVEL_TFS_H
-#define ISO_LEVEL_TFS_H
+#pragma once
 
 #include "tf/tf.h"
 
@@ -20,5 +19,3 @@ extern const iso_level_tf iso_level_tf_colored;
 
 /* Returns it as a TF. Its points are borrowed: do not destroy it. */
 iso_tf iso_level_tf_of(const iso_level_tf *tf);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* levels_report.h - summary of the cases of `isoshade-lab levels`. */
-#ifndef ISO_LAB_LEVELS_REPORT_H
-#define ISO_LAB_LEVELS_REPORT_H
+#pragma once
 
 #include "base/json.h"
 #include "lab/level_error.h"
@@ -78,5 +77,3 @@ iso_status iso_level_cases_write_csv(const iso_level_cases *c, const char *path,
 /* Adds the cases of a table. Sets c->settings from the table if it is "". ISO_E_FORMAT: not such a table, other
  * settings, a volume with two sizes, or a repeated case. */
 iso_status iso_level_cases_read_csv(iso_level_cases *c, const char *path, iso_error *err);
-
-#endif

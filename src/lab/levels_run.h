@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* levels_run.h - a run of `isoshade-lab levels`. levels.c is the command, levels_measure.c renders and measures. */
-#ifndef ISO_LAB_LEVELS_RUN_H
-#define ISO_LAB_LEVELS_RUN_H
+#pragma once
 
 #include "lab/levels_report.h"
 #include "options/cli.h"
@@ -58,5 +57,3 @@ bool iso_levels_has_time(iso_levels_run *run);
 
 /* Measures all cases of volume number run->at that earlier runs did not measure. */
 iso_status iso_levels_run_volume(iso_levels_run *run, const iso_progress *progress, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* look.h - the benchmarks' view of a volume: an orthographic camera around the box, and one light or none. */
-#ifndef ISO_LAB_LOOK_H
-#define ISO_LAB_LOOK_H
+#pragma once
 
 #include "image/image.h"
 #include "pyramid/pyramid.h"
@@ -19,5 +18,3 @@ iso_status iso_lab_view(const iso_lab_look *look, const iso_level *level0, const
 
 /* Returns the largest alpha of an image; 0 if it is empty. */
 double iso_lab_largest_alpha(const iso_image *image);
-
-#endif

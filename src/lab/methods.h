@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* methods.h - methods of `isoshade-lab consistency` to show a coarse level: the original TF, and ways to adapt it. */
-#ifndef ISO_LAB_METHODS_H
-#define ISO_LAB_METHODS_H
+#pragma once
 
 #include "tf/adapt.h"
 
@@ -19,5 +18,3 @@ extern const iso_lab_method iso_lab_methods[ISO_LAB_METHOD_COUNT];
 
 /* Parses "all" or names separated by commas; the original is always included. ISO_E_USAGE: unknown name. */
 iso_status iso_lab_choose_methods(const char *text, bool wanted[ISO_LAB_METHOD_COUNT], iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* palette.h - the parts of `isoshade-lab palette`. Each prints its table unless --json, and adds its rows. */
-#ifndef ISO_LAB_PALETTE_H
-#define ISO_LAB_PALETTE_H
+#pragma once
 
 #include "lab/rivals/palettes.h"
 #include "options/cli.h"
@@ -33,5 +32,3 @@ iso_status iso_palette_bench_tessellation(const palette_bench *b, iso_error *err
 /* Bundles a volume's gradients, read slab by slab. */
 iso_status iso_palette_bench_sample(const palette_bench *b, const char *path, iso_direction_set *set, double *seconds,
                                     iso_error *err);
-
-#endif

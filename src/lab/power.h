@@ -10,8 +10,7 @@
  * Random scenes are rotated, anisotropic noise, right- or left-handed, seen from any side, orthographic or in
  * perspective, with one to three lights. Four kinds follow in turn: smooth transfer functions; bright ones, dense and
  * with highlights above 1; sharp ones with a step of opacity; and lit ones, also judged by FLIP and SSIM. */
-#ifndef ISO_LAB_POWER_H
-#define ISO_LAB_POWER_H
+#pragma once
 
 #include "options/cli.h"
 #include "lab/faults.h"
@@ -105,5 +104,3 @@ bool iso_power_is_alarm(const json_t *report, char *text, size_t size);
 bool iso_power_is_finding(const json_t *report);
 /* Returns the largest rate consistent with these alarms at 95 % confidence (Clopper and Pearson). */
 double iso_power_rate_bound(size_t alarms, size_t tested);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* quartiles.h - summary of a list of ratios: one case of a hundred can move their geometric mean, not their median. */
-#ifndef ISO_LAB_QUARTILES_H
-#define ISO_LAB_QUARTILES_H
+#pragma once
 
 #include <stddef.h>
 
@@ -13,5 +12,3 @@ typedef struct iso_ratios {
 /* Summarizes ratios above 0, which it sorts. Quartiles are interpolated linearly between sorted neighbors; of one
  * ratio all figures are that ratio. */
 iso_ratios iso_ratios_summarize(double *ratios, size_t count);
-
-#endif

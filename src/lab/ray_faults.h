@@ -9,8 +9,7 @@
  *
  * Scenes of one level and a TF over the value, as calibrations and random scenes are: no regions of interest, no 2D
  * TFs. */
-#ifndef ISO_LAB_RAY_FAULTS_H
-#define ISO_LAB_RAY_FAULTS_H
+#pragma once
 
 #include "renderers/renderers.h"
 
@@ -23,5 +22,3 @@ typedef enum iso_ray_fault {
 
 /* Adds the effect of the fault to an image of the request. ISO_E_MEMORY; ISO_E_USAGE: a scene of another kind. */
 iso_status iso_ray_fault_add(const iso_render_request *request, iso_ray_fault fault, iso_image *image, iso_error *err);
-
-#endif

@@ -6,8 +6,7 @@
  * the ray caster, with one surface-like TF at all levels. An image's error is its structural dissimilarity DSSIM = (1 -
  * SSIM) / 2 over visible pixels (ssim.h). Angles are taken at the visible surface of level 0: visible voxels next to
  * invisible ones. Opposite directions are equal, since light is two-sided. */
-#ifndef ISO_LAB_SHADING_ERROR_H
-#define ISO_LAB_SHADING_ERROR_H
+#pragma once
 
 #include "lab/surface.h"
 #include "scene/views.h"
@@ -74,5 +73,3 @@ iso_status iso_shading_floor(const iso_shading_subject *s, const iso_level *leve
 /* Renders one view of a level. */
 iso_status iso_shading_render(const iso_shading_subject *s, int view, const iso_shading_shown *shown, iso_image *image,
                               iso_error *err);
-
-#endif

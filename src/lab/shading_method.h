@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* shading_method.h - methods for a level's directions, and test fields; shared by the shading benchmarks. */
-#ifndef ISO_LAB_SHADING_METHOD_H
-#define ISO_LAB_SHADING_METHOD_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 #include "scene/field.h"
@@ -24,5 +23,3 @@ iso_status iso_shading_build(const iso_shading_method *m, const iso_volume *v, c
 /* Samples a field in a cube of n^3 floats, values 0 to 1, with normal noise of the given standard deviation. */
 iso_status iso_shading_sample(iso_field_kind kind, size_t n, double noise, iso_field *field, iso_volume *v,
                               iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* shading_run.h - a run of `isoshade-lab consistency --shading`: shading.c measures, shading_report.c reports. */
-#ifndef ISO_LAB_SHADING_RUN_H
-#define ISO_LAB_SHADING_RUN_H
+#pragma once
 
 #include "lab/shading_error.h"
 #include "lab/shading_method.h"
@@ -70,5 +69,3 @@ const char *iso_shading_why_left_out(const iso_shading_run *run, const iso_shadi
 /* Prints the table, exceptions and cases left out, or all of it as JSON. */
 void iso_shading_report(const iso_shading_run *run);
 iso_status iso_shading_write_csv(const iso_shading_run *run, iso_error *err);
-
-#endif

@@ -11,8 +11,7 @@
  * shows the values below. There is no surface if either side shows that much of the border. There is none either if
  * more than ISO_SURFACE_MOST_RAMP of the voxels lie on the TF's ramp: the threshold then runs through one class, as in
  * noise around a single value. */
-#ifndef ISO_LAB_SURFACE_H
-#define ISO_LAB_SURFACE_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 #include "tf/tf.h"
@@ -41,5 +40,3 @@ typedef struct iso_surface_tf {
     iso_tf_point points[4];
 } iso_surface_tf;
 iso_tf iso_surface_make_tf(const iso_otsu_surface *surface, iso_surface_tf *storage);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* vdb_read.h - reads exported grid files back, and measures them; for tests and `isoshade-lab plan`. */
-#ifndef ISO_LAB_VDB_READ_H
-#define ISO_LAB_VDB_READ_H
+#pragma once
 
 #include "vdb/vdb.h"
 
@@ -17,5 +16,3 @@ typedef struct iso_vdb_stats {
     double read_seconds;
 } iso_vdb_stats;
 iso_status iso_vdb_measure(const char *path, iso_vdb_stats *stats, iso_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* volumes.h - shared by benchmarks of levels: ranges of their options, and iteration over the given volumes under each
  * of the four transfer functions. */
-#ifndef ISO_LAB_VOLUMES_H
-#define ISO_LAB_VOLUMES_H
+#pragma once
 
 #include "lab/level_tfs.h"
 #include "options/cli.h"
@@ -37,5 +36,3 @@ typedef struct iso_lab_volumes {
     const iso_progress *loading;
 } iso_lab_volumes;
 iso_status iso_lab_visit_volumes(const iso_lab_volumes *volumes, iso_lab_visit visit, void *user, iso_error *err);
-
-#endif

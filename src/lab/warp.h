@@ -28,8 +28,7 @@
  *          and two fetches, one from each level's own samples. Continuous.
  *
  * The text of the paper does not state its figures' numbers; primitives follow its words. */
-#ifndef ISO_LAB_WARP_H
-#define ISO_LAB_WARP_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -66,5 +65,3 @@ unsigned iso_warp_neighbors(const iso_warp_field *f, const size_t brick[3]);
 
 /* Samples one brick (its first channel) at index position p in its closed box: on a face, the limit from that side. */
 double iso_warp_sample_in(const iso_warp_field *f, const size_t brick[3], const double p[3]);
-
-#endif

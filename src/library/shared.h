@@ -3,8 +3,7 @@
  *
  * The interface's handles are the structs of the other modules, allocated. Its options are words and plain numbers;
  * these files turn them into the modules' options. No arithmetic on samples is done here. */
-#ifndef ISO_LIBRARY_SHARED_H
-#define ISO_LIBRARY_SHARED_H
+#pragma once
 
 #include "base/json.h"
 #include "base/progress.h"
@@ -41,5 +40,3 @@ typedef struct iso_library_look {
  * extinction scale and a region of interest. */
 iso_status iso_library_view(const iso_library_look *look, const iso_pyramid *p, size_t level, iso_view *view,
                             iso_error *err);
-
-#endif

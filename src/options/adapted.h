@@ -2,8 +2,7 @@
 /* adapted.h - options for adapted transfer functions, shared by all commands that render or export a level.
  *
  * Adapting replaces the view's transfer function, 1D or 2D, so every renderer and exporter can use the result. */
-#ifndef ISO_OPTIONS_ADAPTED_H
-#define ISO_OPTIONS_ADAPTED_H
+#pragma once
 
 #include "options/cli.h"
 #include "pyramid/pyramid.h"
@@ -34,5 +33,3 @@ iso_status iso_cli_adapt_options(const iso_cli_adapted *a, int threads, iso_adap
  * (tf/ghost.h) through a->cli. path: where p was loaded from; a pyramid on disk keeps its histograms. */
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
                               iso_view *view, int threads, iso_error *err);
-
-#endif

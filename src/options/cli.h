@@ -5,8 +5,7 @@
  * commands, such as --help (to stdout, exit 0), --json and --threads. Results go to stdout, messages and progress to
  * stderr. A command returns a status, which becomes the exit code; main() prints its error as "isoshade COMMAND:
  * MESSAGE". */
-#ifndef ISO_OPTIONS_CLI_H
-#define ISO_OPTIONS_CLI_H
+#pragma once
 
 #include <jansson.h>
 #include <stdbool.h>
@@ -117,5 +116,3 @@ char *iso_cli_command_line(const iso_cli *cli);
 
 /* Prints the plural of the names, then a line with name and summary per row, as --help does. */
 void iso_cli_print_names(FILE *f, const iso_names *names);
-
-#endif

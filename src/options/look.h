@@ -3,8 +3,7 @@
  *
  * Call iso_cli_look_check(&look, threads, &wanted, err) before any work, then iso_subject_make_view(&wanted, &pyramid,
  * &view, err). Commands without a camera take only iso_tf_rows. */
-#ifndef ISO_OPTIONS_LOOK_H
-#define ISO_OPTIONS_LOOK_H
+#pragma once
 
 #include <math.h>
 
@@ -34,5 +33,3 @@ iso_status iso_cli_look_take(const iso_cli_look *a, int threads, iso_subject_loo
 
 /* Returns the options that are given as in a command line, " --scene X --view front"; to be freed. NULL: no memory. */
 char *iso_cli_look_line(const iso_cli_look *a);
-
-#endif

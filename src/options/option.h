@@ -16,8 +16,7 @@
  * Parsing, --help, completion, the manual page and doc/reference read the same table. A member's type decides how its
  * text is read: char * takes a text, char ** a text each time, int, long, long long and double a number; an int without
  * a value's name is a flag. */
-#ifndef ISO_OPTIONS_OPTION_H
-#define ISO_OPTIONS_OPTION_H
+#pragma once
 
 #include <popt.h>
 #include <stdbool.h>
@@ -100,5 +99,3 @@ iso_status iso_options_take(iso_bound_options *bound, iso_error *err);
 
 /* Frees the struct and the texts that parsing put into it. */
 void iso_options_unbind(iso_bound_options *bound);
-
-#endif

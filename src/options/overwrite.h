@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* overwrite.h - refuses outputs that would replace an input: a mistyped name would lose a volume. */
-#ifndef ISO_OPTIONS_OVERWRITE_H
-#define ISO_OPTIONS_OVERWRITE_H
+#pragma once
 
 #include <popt.h>
 
@@ -14,5 +13,3 @@ iso_status iso_cli_refuse_overwriting(const struct poptOption *options, const ch
 
 /* Fails with ISO_E_USAGE if both are the same regular file. Either may be NULL. */
 iso_status iso_cli_refuse_same_file(const char *output, const char *input, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* roi.h - options for a region of interest: a finer level in a box of a coarse one (scene/roi.h). */
-#ifndef ISO_OPTIONS_ROI_H
-#define ISO_OPTIONS_ROI_H
+#pragma once
 
 #include "options/adapted.h"
 #include "scene/roi.h"
@@ -30,5 +29,3 @@ typedef struct iso_cli_roi_place {
 /* Sets view->roi if a box is given. Call it while view->tf is still the scene's: the level inside gets its own 1D
  * transfer function, adapted as `adapted` says. ISO_E_USAGE. */
 iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_roi_place *at, iso_view *view, iso_error *err);
-
-#endif

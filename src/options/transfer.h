@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* transfer.h - options that complete transfer functions of other programs, shared by all commands that take one. */
-#ifndef ISO_OPTIONS_TRANSFER_H
-#define ISO_OPTIONS_TRANSFER_H
+#pragma once
 
 #include "options/option.h"
 #include "tf/tf.h"
@@ -13,5 +12,3 @@ extern const iso_option iso_transfer_rows[];
 
 /* Fills a request of iso_tf_load_as(). ISO_E_USAGE names the option and its value. */
 iso_status iso_cli_transfer_request(const iso_cli_transfer *a, iso_tf_request *request, iso_error *err);
-
-#endif

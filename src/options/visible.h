@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* visible.h - warns if a view shows almost nothing of a volume, or only an opaque box (scene/visible.h). */
-#ifndef ISO_OPTIONS_VISIBLE_H
-#define ISO_OPTIONS_VISIBLE_H
+#pragma once
 
 #include "options/cli.h"
 #include "scene/visible.h"
@@ -14,5 +13,3 @@ iso_visible iso_cli_warn_view(const iso_cli *cli, const iso_pyramid *p, const is
                               bool *warned);
 /* Returns the shares {"voxels", "faces", "picture"}, for results as JSON. */
 json_t *iso_cli_visible_json(const iso_visible *visible);
-
-#endif

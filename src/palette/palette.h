@@ -14,8 +14,7 @@
  *   palette_assign.c    the exact nearest entry by a lookup grid
  *   palette.c           entries, errors, shading tables
  *   palette_export.c    CSV, and tables for POV-Ray and Blender */
-#ifndef ISO_PALETTE_H
-#define ISO_PALETTE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -183,5 +182,3 @@ typedef struct iso_palette_shading {
  *     ambient + sum of intensity (diffuse |n.l| + specular |n.h|^power).
  * A moved light needs `count` new values instead of one per voxel. Entry 0 is ambient. */
 void iso_palette_shade(const iso_palette *palette, const iso_palette_shading *s, float *restrict shade);
-
-#endif

@@ -4,8 +4,7 @@
  * A cluster's entry is the direction of its resultant S = sum of r u over its
  * bundles (r = weight times length). Its cost is sum of weights - |S|, so that
  * the fit maximizes the sum of all |S|; that is spherical k-means. */
-#ifndef ISO_PALETTE_CLUSTERS_H
-#define ISO_PALETTE_CLUSTERS_H
+#pragma once
 
 #include "base/random.h"
 #include "palette/palette.h"
@@ -54,5 +53,3 @@ double iso_clusters_lloyd(clusters *c, size_t rounds);
 /* Rebuilds the lists of items, S and |S| from the owners. Returns the sum of |S|. */
 double iso_clusters_collect(clusters *c);
 iso_status iso_clusters_to_palette(const clusters *c, iso_palette *palette, iso_error *err);
-
-#endif

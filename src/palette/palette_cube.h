@@ -4,8 +4,7 @@
  *     face   2 axis + (component < 0), axis the largest component
  *     u, v   the other two components in cyclic order, divided by the largest
  *     cell   (face G + row of v) G + column of u */
-#ifndef ISO_PALETTE_CUBE_H
-#define ISO_PALETTE_CUBE_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -52,5 +51,3 @@ static inline void iso_cube_vector(int face, double u, double v, double out[3])
     out[(axis + 1) % 3] = u;
     out[(axis + 2) % 3] = v;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* palette_picture.h - pictures of palettes. */
-#ifndef ISO_PALETTE_PICTURE_H
-#define ISO_PALETTE_PICTURE_H
+#pragma once
 
 #include "palette/palette.h"
 
@@ -11,5 +10,3 @@ iso_status iso_palette_picture_png(const iso_palette *palette, const iso_directi
                                    iso_error *err);
 /* Writes an EXR: count x 1 floats, entry i in pixel i as R, G, B. */
 iso_status iso_palette_picture_exr(const iso_palette *palette, const char *path, const char *note, iso_error *err);
-
-#endif

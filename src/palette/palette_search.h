@@ -5,8 +5,7 @@
  *             items per entry this is well below Lloyd's optimum, since an item pulls its own entry towards itself.
  *   swap      removes the least useful entry, inserts it at the place of most gain, exchanges the neighborhood, and
  *             undoes everything unless the total improves. */
-#ifndef ISO_PALETTE_SEARCH_H
-#define ISO_PALETTE_SEARCH_H
+#pragma once
 
 #include <math.h>
 
@@ -76,5 +75,3 @@ double iso_clusters_split(const clusters *c, uint32_t k, float side[3]);
 /* Runs exchanges, `trials` swaps per cluster, and exchanges again. */
 iso_status iso_clusters_improve(clusters *c, size_t trials, iso_random *random, const iso_progress *progress,
                                 iso_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* cached.h - renders a volume in bricks that fit a cache of a given size, as fine as fits with the least predicted
  * error; or in the fewest nodes for a given predicted error. */
-#ifndef ISO_PLAN_CACHED_H
-#define ISO_PLAN_CACHED_H
+#pragma once
 
 #include "render/gl/bricks_gl.h"
 #include "plan/plan.h"
@@ -37,5 +36,3 @@ iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view
  * levels. */
 iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso_plan *plan, const iso_view *view,
                                    const iso_cached_options *opt, iso_image *image, iso_error *err);
-
-#endif

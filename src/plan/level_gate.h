@@ -4,8 +4,7 @@
  * Pictures in random directions, half of them with the scene's own lights and half with another one; with pixels of
  * about a fine voxel, and the same averaged down, so that a pixel is a coarse voxel. Levels are optimized (optimize.h)
  * with others of these views. */
-#ifndef ISO_PLAN_LEVEL_GATE_H
-#define ISO_PLAN_LEVEL_GATE_H
+#pragma once
 
 #include "base/random.h"
 #include "image/image.h"
@@ -59,5 +58,3 @@ iso_status iso_gate_minify(const iso_image *from, size_t level, iso_image *to, i
  * scene's lights, otherwise one from a random direction. */
 iso_status iso_gate_random_view(const iso_pyramid *p, const iso_scene *scene, bool own_light, iso_random *r,
                                 iso_view *view, iso_error *err);
-
-#endif

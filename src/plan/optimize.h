@@ -14,8 +14,7 @@
  *
  * In: a pyramid in memory. Out: arrays of the level, quantized as they are stored. The same seed gives the same bytes
  * for any number of threads, but not on machines with other instruction sets. Cost: doc/results/scene-levels.md. */
-#ifndef ISO_PLAN_OPTIMIZE_H
-#define ISO_PLAN_OPTIMIZE_H
+#pragma once
 
 #include <signal.h>
 
@@ -74,5 +73,3 @@ iso_status iso_optimize_tf(iso_level_gate *gate, size_t level, const iso_scene *
 
 /* Returns the bytes of buffers for level 1. */
 size_t iso_optimize_bytes(const size_t level0_size[3], iso_effort effort);
-
-#endif

@@ -15,8 +15,7 @@
  * bricks that no TF shows. Omitted bricks stay at level 0: they cost nothing there, and a coarse level would make the
  * faces of their neighbors coarse too. The prediction has to be verified by rendering: `isoshade plan` lowers or raises
  * it until every view has at most the requested error. All results are deterministic. */
-#ifndef ISO_PLAN_H
-#define ISO_PLAN_H
+#pragma once
 
 #include "base/progress.h"
 #include "brick/bricks.h"
@@ -41,5 +40,3 @@ void iso_plan_destroy(iso_plan *plan); /* accepts empty and NULL */
 
 /* Chooses the levels for a predicted RMSE of at most `rmse`, and returns the prediction. */
 double iso_plan_choose(iso_plan *plan, const iso_node_levels *n, double rmse);
-
-#endif

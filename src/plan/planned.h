@@ -5,8 +5,7 @@
  *     "bricks": [nx, ny, nz], "brick_voxels": n, "level_count": L,
  *     "levels": "0010...",   a digit a brick, x fastest
  *     "use": "dhu..." }      a letter a brick: drawn, hidden by the transfer function, unseen by any view */
-#ifndef ISO_PLANNED_H
-#define ISO_PLANNED_H
+#pragma once
 
 #include <jansson.h>
 
@@ -69,5 +68,3 @@ typedef struct iso_planned_crop {
 iso_status iso_planned_crop_create(const iso_planned *p, const iso_level *level0, int threads, iso_planned_crop *crop,
                                    iso_error *err);
 void iso_planned_crop_destroy(iso_planned_crop *crop);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* planner.h - a plan (plan/plan.h) that is verified by rendering, as commands use it. */
-#ifndef ISO_PLANNER_H
-#define ISO_PLANNER_H
+#pragma once
 
 #include "plan/planned.h"
 #include "compare/metrics.h"
@@ -69,5 +68,3 @@ iso_status iso_planner_load_views(const iso_subject_look *look, size_t turns, co
 /* Checks the views before the volume is read. */
 iso_status iso_planner_check_views(const iso_subject_look *look, iso_error *err);
 void iso_planner_destroy_views(iso_view *views, size_t count);
-
-#endif

@@ -11,8 +11,7 @@
  * 1.5 times the error.
  *
  * The choice, its transfer function and its figures are written to p->made_for (doc/reference/files-pyramid.md). */
-#ifndef ISO_SCENE_LEVELS_H
-#define ISO_SCENE_LEVELS_H
+#pragma once
 
 #include "fit/level_scalar.h"
 #include "plan/level_gate.h"
@@ -67,5 +66,3 @@ iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *
 
 /* Returns the bytes that a build for a scene needs, with the volume of `type` and the pyramid. */
 size_t iso_scene_levels_bytes(const iso_geometry *level0, iso_type type, iso_effort effort);
-
-#endif

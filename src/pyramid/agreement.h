@@ -13,8 +13,7 @@
  * gives the reason why naive and eq1 are never chosen.
  *
  * Sums are integers of 2^-36 per row, so that they do not depend on threads, slabs or ranks. */
-#ifndef ISO_PYRAMID_AGREEMENT_H
-#define ISO_PYRAMID_AGREEMENT_H
+#pragma once
 
 #include <stdint.h>
 
@@ -51,5 +50,3 @@ iso_status iso_agreement_choose_for(const iso_planes *planes, const iso_geometry
 /* Formats "tensor: its gradients agree by .27 in direction and by .92 on an axis". Returns text, truncated if it is too
  * long. */
 const char *iso_direction_choice_text(const iso_direction_choice *choice, size_t level, char *text, size_t size);
-
-#endif

@@ -19,8 +19,7 @@
  * coarse planes that it contributes to. A coarse plane that is complete is a fine plane
  * for the next level. Least-squares scalars are made plane by plane, too, each level from
  * level 0 (cascade_spline.c). */
-#ifndef ISO_PYRAMID_CASCADE_H
-#define ISO_PYRAMID_CASCADE_H
+#pragma once
 
 #include "gradient/gradient_kernel.h"
 #include "pyramid/agreement.h"
@@ -84,5 +83,3 @@ void iso_cascade_choose(const iso_cascade *c, iso_direction_choice *choice);
 /* Gets the range of the level's scalars so far; min > max when there are none. */
 void iso_cascade_range(const iso_cascade *c, size_t level, double *min, double *max);
 void iso_cascade_set_range(iso_cascade *c, size_t level, double min, double max); /* when a build is resumed */
-
-#endif

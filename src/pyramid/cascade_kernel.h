@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* cascade_kernel.h - declarations shared by cascade.c (filters that read only the children), cascade_gauss.c (Gaussian
  * filters), cascade_spline.c (least squares) and cascade_weighted.c (least-squares directions); private to the four. */
-#ifndef ISO_PYRAMID_CASCADE_KERNEL_H
-#define ISO_PYRAMID_CASCADE_KERNEL_H
+#pragma once
 
 #include "pyramid/agreement.h"
 #include "pyramid/cascade.h"
@@ -120,5 +119,3 @@ size_t iso_cascade_weighted_lag(void);
 size_t iso_cascade_weighted_from(const iso_cascade *c, size_t level, size_t complete);
 iso_status iso_cascade_weighted_feed(iso_cascade *c, const iso_planes *in, size_t z0, size_t z1,
                                      const iso_cascade_out *out, iso_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* cascade_spline.h - what cascade_spline.c (levels that are made while level 0 is fed) and cascade_spline_top.c (those
  * above the cascade's carry, made at the end) share; private to the two. */
-#ifndef ISO_PYRAMID_CASCADE_SPLINE_H
-#define ISO_PYRAMID_CASCADE_SPLINE_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -71,5 +70,3 @@ size_t iso_cascade_cells_scratch(const iso_cascade *c);
 void iso_cascade_cells_feed(const spline_run *r, size_t z0, size_t z1);
 /* Computes A^T v of a level above the carry from these moments, into the level's slots. */
 void iso_cascade_cells_gather(const spline_run *r, spline_level *s);
-
-#endif

@@ -8,8 +8,7 @@
  *   tensor   N (3), T (6)  T = mean of g g^T: xx, yy, zz, xy, xz, yz; its trace is S
  *   auto     N (3), S, T (6)   what both moments and tensor need, with the same bits
  * Row c of a state starts at state + c * stride. */
-#ifndef ISO_PYRAMID_FILTER_KERNEL_H
-#define ISO_PYRAMID_FILTER_KERNEL_H
+#pragma once
 
 #include "gradient/gradient_kernel.h"
 #include "pyramid/pyramid.h"
@@ -86,5 +85,3 @@ void iso_unpack_bytes(const uint32_t *packed, size_t n, uint8_t *restrict bytes)
 /* Extends lo and hi to the row's values, without ISO_NO_DATA. */
 void iso_row_range(const float *row, size_t n, float *lo, float *hi);
 void iso_scale_row(float *row, size_t n, float factor);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * For levels that are larger than memory: nothing is kept. Sizes and headers of the files are checked, their checksums
  * are not, since that would mean to read all of them (`isoshade info NAME.iso --verify` does). Any thread may read. */
-#ifndef ISO_PYRAMID_LEVEL_PAGES_H
-#define ISO_PYRAMID_LEVEL_PAGES_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 
@@ -23,5 +22,3 @@ iso_status iso_level_pages_codes(const iso_level_pages *pages, const size_t firs
                                  uint8_t *out, iso_error *err);
 /* Returns the bytes read so far. */
 double iso_level_pages_bytes_read(const iso_level_pages *pages);
-
-#endif

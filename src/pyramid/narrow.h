@@ -2,8 +2,7 @@
 /* narrow.h - a pyramid without level 0; scalars and codes of level 0 are read from the volume itself. Takes an eighth
  * of the memory if samples are bytes. For users such as exports, which read scalars a few at a time and codes box by
  * box. */
-#ifndef ISO_PYRAMID_NARROW_H
-#define ISO_PYRAMID_NARROW_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 
@@ -88,5 +87,3 @@ static inline const uint8_t *iso_narrow_codes_at(const iso_narrow_codes *c, size
 {
     return c->codes + 3 * (x - c->first[0] + c->size[0] * (y - c->first[1] + c->size[1] * (z - c->first[2])));
 }
-
-#endif

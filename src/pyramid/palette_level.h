@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* palette_level.h - palettes for the levels of a pyramid. */
-#ifndef ISO_PYRAMID_PALETTE_LEVEL_H
-#define ISO_PYRAMID_PALETTE_LEVEL_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 
@@ -17,5 +16,3 @@ void iso_level_detach_palette(iso_level *level); /* frees the indices; accepts a
 /* Fits a palette of `directions` entries to the level's directions, each of which counts 1. */
 iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t directions, size_t swap_trials,
                                  int threads, iso_palette *palette, iso_error *err);
-
-#endif

@@ -28,8 +28,7 @@
  * lie outside level 0's range. Damped: from the means ISO_DAMPED_PART of the way to it, where at level 1 it is first
  * held to the range of each voxel's own fine voxels. */
 /* Label maps: the majority label of the 2x2x2 children; ties go to the largest label. */
-#ifndef ISO_PYRAMID_H
-#define ISO_PYRAMID_H
+#pragma once
 
 #include <math.h>
 
@@ -203,5 +202,3 @@ iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error
 iso_status iso_pyramid_load_scalars(const char *dir, iso_pyramid *out, iso_error *err);
 /* True if path is a directory with a pyramid.json. */
 bool iso_pyramid_is_one(const char *path);
-
-#endif

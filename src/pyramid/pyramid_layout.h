@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* pyramid_layout.h - the files of a pyramid and its description; private to src/pyramid. */
-#ifndef ISO_PYRAMID_LAYOUT_H
-#define ISO_PYRAMID_LAYOUT_H
+#pragma once
 
 #include <jansson.h>
 #include <xxhash.h>
@@ -62,5 +61,3 @@ iso_status iso_layout_save_json(const char *dir, const char *name, const json_t 
 /* Loads pyramid.json. ISO_E_IO; ISO_E_FORMAT if it is not a pyramid's or was changed: changed levels, ranges or boxes
  * would give a wrong picture and no error. */
 iso_status iso_layout_load(const char *path, json_t **root, iso_error *err);
-
-#endif

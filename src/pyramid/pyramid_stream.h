@@ -10,8 +10,7 @@
  * MPI job (base/ranks.h) take the slabs in turns and write the same files. The state
  * that a slab needs from the one before, such as the checksums so far, is sent from
  * rank to rank, so that each byte is read, hashed and written once. */
-#ifndef ISO_PYRAMID_STREAM_H
-#define ISO_PYRAMID_STREAM_H
+#pragma once
 
 #include "base/ranks.h"
 #include "pyramid/pyramid.h"
@@ -61,5 +60,3 @@ typedef struct iso_stream_report {
 iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_options *opt,
                               const iso_stream_options *stream, const char *dir, iso_stream_report *report,
                               const iso_progress *progress, iso_error *err);
-
-#endif

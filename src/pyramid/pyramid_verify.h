@@ -6,8 +6,7 @@
  * options, and compared bit by bit. Compared are values, directions (level 0's too), kept floats and magnitudes, and
  * each level's geometry and range. Values and range of levels that were made for a scene (pyramid.h) are left out:
  * fit/level_scalar.h has them; of optimized levels directions, too, which nothing makes again. */
-#ifndef ISO_PYRAMID_VERIFY_H
-#define ISO_PYRAMID_VERIFY_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 
@@ -27,5 +26,3 @@ iso_status iso_pyramid_verify(const iso_pyramid *p, int threads, iso_level_check
 /* Describes a check for people: "level 1: 160 of 600 voxels are not made from level 0, the first is (3, 0, 0), by its
  * directions". Returns text, truncated if it is too long. */
 const char *iso_level_check_text(const iso_level_check *check, size_t level, char *text, size_t size);
-
-#endif

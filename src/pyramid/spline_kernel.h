@@ -16,8 +16,7 @@
  *     interval        0     |           1           |     2                r wide, shifted by half of it
  *
  * Both sides are divided by r, so that neither sums nor matrix grow with the level. */
-#ifndef ISO_PYRAMID_SPLINE_KERNEL_H
-#define ISO_PYRAMID_SPLINE_KERNEL_H
+#pragma once
 
 #include <stddef.h>
 
@@ -65,5 +64,3 @@ int iso_spline_cell(const iso_spline_axis *a, size_t s, size_t cell, iso_spline_
 size_t iso_spline_padded(const iso_spline_axis *a);
 void iso_spline_reduce_row(const iso_spline_axis *a, const float *restrict padded, float *restrict scratch,
                            float *restrict out);
-
-#endif

@@ -7,8 +7,7 @@
  *   stream_turns.c     slabs in turns with other ranks of an MPI job
  *   stream_progress.c  notes of a build's progress, and resuming from them
  *   stream_input.c, stream_output.c   the threads that read and write */
-#ifndef ISO_PYRAMID_STREAM_BUILD_H
-#define ISO_PYRAMID_STREAM_BUILD_H
+#pragma once
 
 #include "base/bigfile.h"
 #include "base/file.h"
@@ -133,5 +132,3 @@ bool iso_stream_progress_is_due(pyramid_build *s);
 iso_status iso_stream_note_progress(pyramid_build *s, json_t *job, size_t z, iso_error *err);
 /* Removes progress.json and the carry from the folder of a complete build. */
 void iso_stream_remove_progress(const pyramid_build *s);
-
-#endif

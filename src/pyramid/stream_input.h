@@ -2,8 +2,7 @@
 /* stream_input.h - planes of the input, read ahead by a thread; private to the streaming build.
  *
  * There are three sets of planes: one is being read, one is being built from, and one is being written as level 0. */
-#ifndef ISO_PYRAMID_STREAM_INPUT_H
-#define ISO_PYRAMID_STREAM_INPUT_H
+#pragma once
 
 #include <pthread.h>
 
@@ -37,5 +36,3 @@ void iso_stream_input_destroy(stream_input *in); /* accepts an empty one */
 void iso_stream_input_request(stream_input *in, size_t from, size_t to);
 /* Waits for the planes of the last request. */
 iso_status iso_stream_input_wait(stream_input *in, const stream_planes **planes, iso_error *err);
-
-#endif

@@ -4,8 +4,7 @@
  * Each level has two sets of buffers: one is written while the other is filled. Several ranks (base/ranks.h) write the
  * same files in turns. The rank whose turn it is has the *tails* of all files: the checksum so far, and the bytes that
  * do not fill a block of the disk yet. */
-#ifndef ISO_PYRAMID_STREAM_OUTPUT_H
-#define ISO_PYRAMID_STREAM_OUTPUT_H
+#pragma once
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -98,5 +97,3 @@ void iso_stream_tails_get(const stream_output *o, void *tails);
 void iso_stream_tails_set(stream_output *o, const void *tails);
 /* Hashes the listed items and moves the tails past them. iso_stream_tails_set() has been called with these tails. */
 void iso_stream_tails_advance(stream_output *o, void *tails);
-
-#endif

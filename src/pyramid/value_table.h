@@ -3,8 +3,7 @@
  *
  * In:  level 0 of a volume, and a function of a value.   Out: its result for each voxel, the same bits.
  * Integers of at most 16 bits have a table; other values are computed when they are asked for. */
-#ifndef ISO_PYRAMID_VALUE_TABLE_H
-#define ISO_PYRAMID_VALUE_TABLE_H
+#pragma once
 
 #include "pyramid/narrow.h"
 
@@ -34,5 +33,3 @@ static inline uint32_t iso_value_table_at(const iso_value_table *t, float value)
 
 /* Sums the results of `count` voxels from number `first` on. */
 uint64_t iso_value_table_sum(const iso_value_table *t, size_t first, size_t count);
-
-#endif

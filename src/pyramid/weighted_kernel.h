@@ -12,8 +12,7 @@
  * product, and equal for both diagonals of a cell. So 8 of a coarse voxel's 27 entries are kept, at the lower of the
  * two voxels, indexed by whether the two differ along x, y and z. A coarse voxel has W, b (3) and these 8: 12
  * planes. */
-#ifndef ISO_PYRAMID_WEIGHTED_KERNEL_H
-#define ISO_PYRAMID_WEIGHTED_KERNEL_H
+#pragma once
 
 #include <stddef.h>
 
@@ -45,5 +44,3 @@ void iso_weighted_step(float keep, float gain, const float *restrict weight, con
                        float *restrict step, const float *before, float *after);
 /* Shortens D of length L to the stored D L: at most 1, and shorter if gradients disagree, as with moments. */
 void iso_weighted_shorten(float *const d[3], size_t n);
-
-#endif

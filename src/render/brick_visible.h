@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* brick_visible.h - which bricks of mixed resolution a view can show. */
-#ifndef ISO_RENDER_BRICK_VISIBLE_H
-#define ISO_RENDER_BRICK_VISIBLE_H
+#pragma once
 
 #include "brick/bricks.h"
 #include "scene/scene.h"
@@ -10,5 +9,3 @@
  * is set. wanted: one byte per brick; NULL: all bricks. Returns the share of visible bricks. */
 double iso_brick_visible(const iso_brick_field *f, const iso_view *view, const iso_tf_table *tf, const uint8_t *wanted,
                          int threads, uint8_t *restrict visible);
-
-#endif

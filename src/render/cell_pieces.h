@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cell_pieces.h - the pieces of a ray within a cell: cut, bounded, and integrated eight at a time (cell_ray.h). */
-#ifndef ISO_CELL_PIECES_H
-#define ISO_CELL_PIECES_H
+#pragma once
 
 #include "render/cell_ray.h"
 #include "render/lanes.h"
@@ -458,5 +457,3 @@ ISO_LANES_INLINE stretch finish_pieces(cell_pieces *w, bool open, double *error)
     *error = w->error + (open ? 0 : w->left > ISO_REFERENCE_LEFT ? w->left : ISO_REFERENCE_LEFT);
     return (stretch){{lanes_sum(w->color[0]), lanes_sum(w->color[1]), lanes_sum(w->color[2])}, w->depth};
 }
-
-#endif

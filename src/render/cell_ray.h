@@ -23,8 +23,7 @@
  *
  * Eight pieces are evaluated at a time, for the instruction set that the machine has; all give the same bits: own
  * exponential, whole powers by squaring, no fused products. */
-#ifndef ISO_CELL_RAY_H
-#define ISO_CELL_RAY_H
+#pragma once
 
 #include "render/empty_space.h"
 #include "render/reference_ray.h"
@@ -69,5 +68,3 @@ typedef struct iso_cell_ray_variant {
     iso_cell_ray_function integrate;
 } iso_cell_ray_variant;
 size_t iso_cell_ray_variants(iso_cell_ray_variant v[4]);
-
-#endif

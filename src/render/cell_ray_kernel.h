@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cell_ray_kernel.h - what cell_ray.h describes, for the instruction set of the function that it is compiled into. */
-#ifndef ISO_CELL_RAY_KERNEL_H
-#define ISO_CELL_RAY_KERNEL_H
+#pragma once
 
 #include "render/cell_pieces.h"
 
@@ -158,5 +157,3 @@ ISO_LANES_INLINE stretch integrate_cells(const iso_cell_scene *c, const iso_cell
     }
     return finish_pieces(&w, open, error);
 }
-
-#endif

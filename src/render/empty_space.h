@@ -12,8 +12,7 @@
  *
  * Blocks of 4, 16 and 64 cells a side say whether any of their cells shows something (a tree as in [levoy-1990], with
  * intervals as in [wilhelms-1992]). Intervals are widened by more than what sums of eight products are rounded by. */
-#ifndef ISO_EMPTY_SPACE_H
-#define ISO_EMPTY_SPACE_H
+#pragma once
 
 #include "brick/bricks.h"
 #include "tf/tf_2d.h"
@@ -78,5 +77,3 @@ static inline bool iso_empty_space_at(const iso_empty_space *e, const int cell[3
     }
     return false;
 }
-
-#endif

@@ -12,8 +12,7 @@
  * No ray is followed. The image is cut into blocks of pixels, the depth into slabs; the volume is sampled at points
  * spread evenly over its voxels, each of which falls into one region (block and slab). Regions keep the ranges of s and
  * g, from which the ranges of L and T follow slab by slab, and a second pass over the points sums the integrand. */
-#ifndef ISO_IMAGE_BOUND_H
-#define ISO_IMAGE_BOUND_H
+#pragma once
 
 #include "scene/field.h"
 #include "scene/scene.h"
@@ -37,5 +36,3 @@ bool iso_image_bound_is_for(const iso_view *view);
 size_t iso_image_bound_points(double voxels);
 /* Bounds the RMSE. ISO_E_RANGE: a view without a bound (see above). ISO_E_MEMORY. */
 iso_status iso_image_bound_rmse(const iso_image_bound_input *in, double *rmse, iso_error *err);
-
-#endif

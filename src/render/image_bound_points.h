@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* image_bound_points.h - what both levels show at a point; private to the bound (image_bound.h). */
-#ifndef ISO_IMAGE_BOUND_POINTS_H
-#define ISO_IMAGE_BOUND_POINTS_H
+#pragma once
 
 #include "render/image_bound.h"
 #include "render/sampler.h"
@@ -24,5 +23,3 @@ typedef struct iso_bound_values {
 } iso_bound_values;
 /* Samples both levels at a point. index: coordinates of level 0. */
 void iso_bound_look_up(const iso_bound_field *field, iso_vec3 index, iso_vec3 to_viewer, iso_bound_values *values);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* lanes.h - eight doubles at a time, for whichever instruction set the function is compiled for. Sums and products
  * stand in one order and are not fused, so all of them give the same bits. */
-#ifndef ISO_RENDER_LANES_H
-#define ISO_RENDER_LANES_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -94,5 +93,3 @@ ISO_LANES_INLINE double lane_exp(double x)
     memcpy(&power, &bits, sizeof power);
     return p * power;
 }
-
-#endif

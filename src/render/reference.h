@@ -17,8 +17,7 @@
  *              tau exp(-tau / 2) (see exporters/povray).
  *   first hit  no quadrature: the first point of the ray inside the box where
  *              the value is at least iso, opaque, C = c(iso) shade(d). */
-#ifndef ISO_REFERENCE_H
-#define ISO_REFERENCE_H
+#pragma once
 
 #include "base/progress.h"
 #include "brick/bricks.h"
@@ -89,5 +88,3 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
 iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_view *view,
                                        const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                                        iso_error *err);
-
-#endif

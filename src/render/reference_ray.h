@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* reference_ray.h - the integral along one ray of the reference (reference.h), by each quadrature. */
-#ifndef ISO_REFERENCE_RAY_H
-#define ISO_REFERENCE_RAY_H
+#pragma once
 
 #include "render/empty_space.h"
 #include "render/reference.h"
@@ -42,5 +41,3 @@ double iso_shade(const iso_view *view, iso_vec3 n, iso_vec3 to_viewer);
 /* Integrates from t0 to t1 by opt's quadrature. *error: the sum of the changes by halving, if that is the converged
  * one. */
 stretch iso_reference_integrate(ray_state *ray, const iso_reference_options *opt, double t0, double t1, double *error);
-
-#endif

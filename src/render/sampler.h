@@ -5,8 +5,7 @@
  * The field's data are the floats and bytes of the level; all arithmetic on them
  * is double. Trilinear between voxel centers, clamped to the edge; labels are those of
  * the voxel that holds the point. */
-#ifndef ISO_SAMPLER_H
-#define ISO_SAMPLER_H
+#pragma once
 
 #include "brick/bricks.h"
 #include "scene/field.h"
@@ -52,5 +51,3 @@ enum { ISO_SAMPLE_CHANNELS = 8 };
 void iso_sample_floats(const iso_sampler *s, const float *values, size_t channels, iso_vec3 index, double *out);
 /* Returns the normal in world axes, |n| <= 1; zero if the point has no direction. */
 iso_vec3 iso_sample_normal(const iso_sampler *s, iso_vec3 index);
-
-#endif

@@ -11,8 +11,7 @@
  * out changes no sample that shows (tests/test_screen_reach.c). Blocks that others surround on all six sides are passed
  * over, because a ray enters and leaves the visible part through a block that is not, or begins in a visible block:
  * blocks around the camera count always. */
-#ifndef ISO_SCREEN_REACH_H
-#define ISO_SCREEN_REACH_H
+#pragma once
 
 #include <stdint.h>
 
@@ -39,5 +38,3 @@ typedef struct iso_screen_reach {
 iso_status iso_screen_reach_create(iso_screen_reach *r, const iso_geometry *g, const iso_view *view,
                                    const iso_screen_blocks *blocks, iso_error *err);
 void iso_screen_reach_destroy(iso_screen_reach *r); /* accepts empty and NULL */
-
-#endif

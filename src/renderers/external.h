@@ -11,8 +11,7 @@
  * Errors name the cause: a missing program, an exit code other than 0, a signal, the time limit; a picture that is
  * missing, not a regular file, older than the request, of no form of picture_file.h, of another size, without one of the
  * four channels, or with values that are not finite. */
-#ifndef ISO_RENDERERS_EXTERNAL_H
-#define ISO_RENDERERS_EXTERNAL_H
+#pragma once
 
 #include "renderers/renderers.h"
 
@@ -55,5 +54,3 @@ iso_status iso_external_register(json_t *row, const char *path, const char *fold
  * ISO_E_USAGE: a name is taken. */
 #define ISO_RENDERERS_VARIABLE "ISOSHADE_RENDERERS"
 iso_status iso_renderers_load(const char *paths, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* picture_file.h - loads a picture that another program wrote. */
-#ifndef ISO_RENDERERS_PICTURE_FILE_H
-#define ISO_RENDERERS_PICTURE_FILE_H
+#pragma once
 
 #include "image/image.h"
 #include "scene/scene.h"
@@ -12,5 +11,3 @@ iso_status iso_picture_find(const char *exr, const char *shown, char **path, iso
 /* Loads a picture by its ending: OpenEXR, NumPy or PFM, of the view's size with finite values in the channels R, G, B and A; else ISO_E_PROGRAM,
  * with the cause. name: the file in messages. */
 iso_status iso_picture_load(const char *path, const char *name, const iso_view *view, iso_image *image, iso_error *err);
-
-#endif

@@ -4,8 +4,7 @@
  * NAME.npy       shape (rows, columns, 4), the top row first; floats of 16, 32 or 64 bits, any byte and axis order
  * NAME.pfm       "PF": red, green, blue; floats of 32 bits, the bottom row first, byte order by the scale's sign; and
  * NAME-alpha.pfm "Pf": alpha, which PFM lacks */
-#ifndef ISO_RENDERERS_PICTURE_PLAIN_H
-#define ISO_RENDERERS_PICTURE_PLAIN_H
+#pragma once
 
 #include "image/image.h"
 #include "scene/scene.h"
@@ -19,5 +18,3 @@ iso_status iso_picture_load_npy(const char *path, const char *name, const iso_vi
                                 iso_error *err);
 iso_status iso_picture_load_pfm(const char *path, const char *name, const iso_view *view, iso_image *image,
                                 iso_error *err);
-
-#endif

@@ -8,8 +8,7 @@
  * Not stored: views with 2D transfer functions, scales or regions; directions that are not from codes or on the fly;
  * isosurfaces; timed pictures; planted faults; pictures made elsewhere; pictures of a program of a renderers.json,
  * which may change without a new version. */
-#ifndef ISO_PICTURE_STORE_H
-#define ISO_PICTURE_STORE_H
+#pragma once
 
 #include "base/ranks.h"
 #include "renderers/renderers.h"
@@ -55,5 +54,3 @@ bool iso_picture_store_find(iso_picture_store *store, const iso_render_request *
 /* Stores a picture. If the folder is not writable, nothing is stored; that is not an error. */
 void iso_picture_store_put(iso_picture_store *store, const iso_render_request *q, const iso_render_options *frame,
                            const iso_image *image);
-
-#endif

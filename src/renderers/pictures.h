@@ -9,8 +9,7 @@
  *
  * `isoshade scenes --write DIR` writes all but the pictures. A picture that is missing, has another size, lacks a
  * channel or has values that are not finite is refused by name. */
-#ifndef ISO_RENDERERS_PICTURES_H
-#define ISO_RENDERERS_PICTURES_H
+#pragma once
 
 #include "renderers/renderers.h"
 
@@ -25,5 +24,3 @@ void iso_picture_file(double step_voxels, char name[ISO_PICTURE_NAME_BYTES]);
 
 /* Registers the renderer of "NAME=DIR". ISO_E_USAGE: other words, or a name that is taken; ISO_E_IO, ISO_E_FORMAT. */
 iso_status iso_pictures_register(const char *name_and_dir, const iso_renderer_info **r, iso_error *err);
-
-#endif

@@ -5,8 +5,7 @@
  * of its images, and its callbacks. ISO_RENDERER_LIST names them all. Code that lists, checks, calibrates or prints
  * renderers iterates over that table and reads the struct. No code outside this folder depends on a certain
  * renderer, except on the reference, which the others are compared with. doc/extending.md shows how to add one. */
-#ifndef ISO_RENDERERS_H
-#define ISO_RENDERERS_H
+#pragma once
 
 #include <jansson.h>
 
@@ -316,5 +315,3 @@ iso_status iso_render_scenes(const iso_render_request *scenes, size_t count, iso
 void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more);
 /* Computes fastest, median and slowest of at least one frame. */
 void iso_render_stats_sum_up(iso_render_stats *stats, const double *seconds, size_t count);
-
-#endif

@@ -6,8 +6,7 @@
  *         directions.nrrd    its directions in the world, 3 floats per voxel; only if lights have an effect
  *
  * A program that evaluates the integral of doc/guide/judging-a-renderer.md, "The integral", draws the same picture. */
-#ifndef ISO_RENDERERS_REQUEST_H
-#define ISO_RENDERERS_REQUEST_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
@@ -35,5 +34,3 @@ typedef struct iso_request {
 /* Writes the three files into an existing folder. ISO_E_USAGE: the view has a 2D transfer function, extinction
  * scales or a region of interest, which the format lacks. ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_request_write(const iso_request *request, const char *dir, iso_error *err);
-
-#endif

@@ -7,8 +7,7 @@
  *
  * Its verdict is the worst of its rows: differ, refused, agree, not compared. Rows that are not compared do not spoil
  * it. A level agrees if one of its rows agrees and none differs or is refused. */
-#ifndef ISO_REPORT_CERTIFICATE_H
-#define ISO_REPORT_CERTIFICATE_H
+#pragma once
 
 #include "report/sections.h"
 
@@ -24,5 +23,3 @@ iso_status iso_certificates_write(const char *dir, const json_t *site, const iso
 /* Names levels: "0-2", "0, 2". levels: objects with "level", ascending, and "verdict"; those that agree. */
 enum { ISO_LEVELS_TEXT_BYTES = 64 };
 void iso_certificate_levels(const json_t *levels, char text[ISO_LEVELS_TEXT_BYTES]);
-
-#endif

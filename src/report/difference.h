@@ -21,8 +21,7 @@
  *
  * A picture of both reports differs if any bit does. It counts if the RMSE between the two is above the tolerance of
  * its row's RMSE. */
-#ifndef ISO_REPORT_DIFFERENCE_H
-#define ISO_REPORT_DIFFERENCE_H
+#pragma once
 
 #include "report/sections.h"
 
@@ -54,5 +53,3 @@ typedef struct iso_tolerance {
     const char *why;
 } iso_tolerance;
 iso_tolerance iso_difference_tolerance(const json_t *row_a, const json_t *row_b, const char *metric);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * A chart NAME leaves in its folder NAME.csv (the data), NAME.gp (the script), style.gp (shared by all charts:
  * terminal, fonts, colors) and the picture. To restyle, edit style.gp and run "gnuplot NAME.gp" in the folder. */
-#ifndef ISO_REPORT_GNUPLOT_H
-#define ISO_REPORT_GNUPLOT_H
+#pragma once
 
 #include <stdio.h>
 
@@ -35,5 +34,3 @@ const char *iso_gnuplot_ending(const char *output);
 /* Writes a text between double quotes into a script; bytes with a meaning to gnuplot become escapes. (Between single
  * quotes, gnuplot 5.4 reads two of them as one, but not at the beginning, nor twice.) The caller adds "noenhanced". */
 void iso_gnuplot_put_quoted(FILE *gp, const char *text);
-
-#endif

@@ -16,8 +16,7 @@
  * Other methods are rivals. A rival that is better in one figure by the same measure, and worse in none, is reported
  * with its option, and fails nothing. If the build chose the direction filter, and another filter is better under
  * the same TF, the choice is wrong for this scene. */
-#ifndef ISO_REPORT_LEVELS_H
-#define ISO_REPORT_LEVELS_H
+#pragma once
 
 #include "compare/paired.h"
 #include "report/report.h"
@@ -96,5 +95,3 @@ typedef struct iso_levels_summary {
 } iso_levels_summary;
 /* Summarizes the levels of a report.json. */
 iso_levels_summary iso_levels_summarize(const json_t *report);
-
-#endif

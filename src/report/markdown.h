@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* markdown.h - summary of a report, or of the difference of two, in GitHub's flavor of Markdown, for the pages of
  * continuous integration. Names of scenes and renderers are escaped. */
-#ifndef ISO_REPORT_MARKDOWN_H
-#define ISO_REPORT_MARKDOWN_H
+#pragma once
 
 #include <stdio.h>
 
@@ -21,5 +20,3 @@ const char *iso_markdown_target(const char *dir);
 
 /* Writes a text that Markdown and HTML do not interpret, not even in a table. */
 void iso_markdown_put_text(FILE *f, const char *text);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* page.h - self-contained pages of reports and charts, made of a template, scripts and data, with pictures as text. */
-#ifndef ISO_REPORT_PAGE_H
-#define ISO_REPORT_PAGE_H
+#pragma once
 
 #include "base/json.h"
 #include "image/image.h"
@@ -29,5 +28,3 @@ iso_status iso_page_file_uri(const char *path, const char *type, char **uri, iso
 typedef enum iso_page_precision { ISO_PAGE_FINE, ISO_PAGE_COARSE } iso_page_precision;
 iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, iso_page_precision precision, char **uri,
                                    iso_error *err);
-
-#endif

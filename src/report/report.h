@@ -10,8 +10,7 @@
  * A report is built row by row, and appears once it is complete. Rows may come in any order and from several
  * threads: the page sorts the worst first. Strings are copied. The severity of a row is the largest ratio of a metric
  * or gate to its limit: above 1 it differs. */
-#ifndef ISO_REPORT_H
-#define ISO_REPORT_H
+#pragma once
 
 #include "base/json.h"
 #include "compare/metrics.h"
@@ -162,5 +161,3 @@ iso_status iso_report_write_junit(const iso_report *report, const char *path, is
 
 /* Returns the data model, borrowed. */
 const json_t *iso_report_json(const iso_report *report);
-
-#endif

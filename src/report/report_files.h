@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* report_files.h - the files of a report: pictures, charts, the page. Private to the report. */
-#ifndef ISO_REPORT_FILES_H
-#define ISO_REPORT_FILES_H
+#pragma once
 
 #include "base/json.h"
 #include "image/image.h"
@@ -22,5 +21,3 @@ iso_status iso_report_files_charts(const char *dir, const json_t *root, json_t *
 
 /* Writes report.json and index.html. */
 iso_status iso_report_files_page(const char *dir, const json_t *root, const json_t *inlined, iso_error *err);
-
-#endif

@@ -2,8 +2,7 @@
 /* rows.h - the words of a report's rows, and reading rows again.
  *
  * Each word is defined once, in the tables here. */
-#ifndef ISO_REPORT_ROWS_H
-#define ISO_REPORT_ROWS_H
+#pragma once
 
 #include <stddef.h>
 
@@ -104,5 +103,3 @@ void iso_row_words_of(const json_t *row, char words[ISO_ROW_NAME_BYTES]);
 /* Returns a value of a row; "" and NaN if there is none; gnuplot leaves NaN out. */
 const char *iso_row_text(const json_t *row, const char *key);
 double iso_row_number(const json_t *row, const char *key);
-
-#endif

@@ -4,8 +4,7 @@
  * A consumer makes its own table from ISO_SECTION_LIST, with a handler per section whose name is pasted from the
  * section's: compare_levels, put_case_levels. A new section does not compile in a consumer without a handler for it
  * (tests/check_sections.sh adds one). A consumer that skips a section on purpose defines its handler as NULL. */
-#ifndef ISO_REPORT_SECTIONS_H
-#define ISO_REPORT_SECTIONS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -52,5 +51,3 @@ bool iso_report_source_has_pictures(const iso_report_source *source);
 char *iso_report_source_picture(const iso_report_source *source, const char *name, const char *suffix);
 /* True if a picture's name is a plain word. Reports of others may contain paths here. */
 bool iso_report_is_picture_name(const char *name);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* field.h - the field of one level for a renderer, and the source of its directions. */
-#ifndef ISO_SCENE_FIELD_H
-#define ISO_SCENE_FIELD_H
+#pragma once
 
 #include "base/names.h"
 #include "pyramid/pyramid.h"
@@ -32,5 +31,3 @@ typedef struct iso_surface {
     double iso; /* opaque from this value up */
     iso_surface_output output;
 } iso_surface;
-
-#endif

@@ -19,8 +19,7 @@
  * w has a continuous slope across the faces of the box and of the band, so the image
  * has neither a step nor a kink there. Inside the box only the finer level is looked
  * up. d and the band are in voxels of the level around it. */
-#ifndef ISO_SCENE_ROI_H
-#define ISO_SCENE_ROI_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 #include "tf/tf.h"
@@ -58,5 +57,3 @@ static inline iso_vec3 iso_roi_inside(const iso_roi *f, iso_vec3 index)
     return iso_v3(f->scale * index.x - f->offset[0], f->scale * index.y - f->offset[1],
                   f->scale * index.z - f->offset[2]);
 }
-
-#endif

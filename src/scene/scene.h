@@ -28,8 +28,7 @@
  *   shade(d) = ka + sum over lights of intensity (kd |n.l| + ks |n.h|^p),  h = normalize(l + v), v towards the viewer
  * two-sided; ka + kd sum(intensity) <= 1. Every renderer computes
  *   C = integral of T(t) sigma(s) c(s) shade(d) dt + T_end * background,  T = exp(-integral of sigma). */
-#ifndef ISO_SCENE_H
-#define ISO_SCENE_H
+#pragma once
 
 #include "tf/tf_2d.h"
 #include "tf/tf.h"
@@ -183,5 +182,3 @@ void iso_clip_in_index(const iso_clip_plane *clip, const iso_geometry *g, double
 /* True unless a clip plane removes the whole box from lo to hi (index coordinates). May be True for a box that only
  * several planes together remove. */
 bool iso_view_keeps(const iso_view *view, const iso_geometry *g, const double lo[3], const double hi[3]);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* subject.h - input of a command: a pyramid, or a volume built into one in memory; and a scene resolved for it. */
-#ifndef ISO_SCENE_SUBJECT_H
-#define ISO_SCENE_SUBJECT_H
+#pragma once
 
 #include "volume/input.h"
 #include "pyramid/pyramid.h"
@@ -64,5 +63,3 @@ iso_status iso_subject_make_view(const iso_subject_look *look, const iso_pyramid
 
 /* Parses "320x200", or one number for both, as given to --size. */
 iso_status iso_subject_parse_image_size(const char *text, size_t *width, size_t *height, iso_error *err);
-
-#endif

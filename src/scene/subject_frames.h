@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* subject_frames.h - all frames of a series as subjects: one range, one scene and one transfer function, so that a
  * value has one color in all of them. */
-#ifndef ISO_SCENE_SUBJECT_FRAMES_H
-#define ISO_SCENE_SUBJECT_FRAMES_H
+#pragma once
 
 #include "scene/subject.h"
 
@@ -31,5 +30,3 @@ iso_status iso_subject_frames_load(const iso_subject_frames *frames, size_t fram
 iso_status iso_subject_frames_view(const iso_subject_frames *frames, const iso_pyramid *p, iso_view *view,
                                    iso_error *err);
 void iso_subject_frames_destroy(iso_subject_frames *frames);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * Level 0 is never in memory as floats and as directions at once: it is in floats while the view is made, then in
  * directions next to the samples in the file's type. So 512 x 512 x 512 bytes take .67 GB instead of 1.1. */
-#ifndef ISO_SCENE_SUBJECT_NARROW_H
-#define ISO_SCENE_SUBJECT_NARROW_H
+#pragma once
 
 #include "scene/subject.h"
 #include "scene/visible.h"
@@ -21,5 +20,3 @@ typedef struct iso_subject_sight {
 iso_status iso_subject_load_narrow(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
                                    const iso_subject_look *look, const iso_progress *progress, iso_pyramid *p,
                                    iso_volume *v, iso_subject_sight *sight, iso_error *err);
-
-#endif

@@ -5,8 +5,7 @@
  * World axes are right, anterior, superior if the file names an anatomical space; other files' axes are used in the
  * same way: front is the view along -y, z is up. Angles: AZ degrees around the z axis from the front towards the left
  * (patient's left: -x), EL degrees above the horizon. */
-#ifndef ISO_SCENE_VIEWPOINT_H
-#define ISO_SCENE_VIEWPOINT_H
+#pragma once
 
 #include "base/names.h"
 #include "pyramid/pyramid.h"
@@ -40,5 +39,3 @@ iso_status iso_scene_frame_visible(iso_scene *scene, const iso_level *level0, co
                                    iso_scene_part *visible, iso_error *err);
 /* Replaces the camera of a scene by one from this viewpoint, which frames the box of `level0`. */
 void iso_scene_look_from(iso_scene *scene, const iso_geometry *level0, const iso_viewpoint *viewpoint);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* views.h - views of benchmarks: sets of evenly spread directions, none along an axis of the grid. */
-#ifndef ISO_SCENE_VIEWS_H
-#define ISO_SCENE_VIEWS_H
+#pragma once
 
 #include "base/linalg.h"
 
@@ -20,5 +19,3 @@ iso_vec3 iso_view_spread(int i, int count);
 
 /* Returns an up vector far from the direction. */
 iso_vec3 iso_view_up(iso_vec3 direction);
-
-#endif

@@ -14,8 +14,7 @@
  *            nearest voxels of level 0. iso_visible_take_image() replaces it by a rendered image's share.
  *
  * tests/test_visible.c compares them with volumes of known shares. */
-#ifndef ISO_SCENE_VISIBLE_H
-#define ISO_SCENE_VISIBLE_H
+#pragma once
 
 #include "image/image.h"
 #include "pyramid/pyramid.h"
@@ -50,5 +49,3 @@ void iso_visible_take_image(iso_visible *v, const iso_image *image, const double
 /* Writes one sentence with the fault, the ranges and the remedy. False: no fault. volume: its name on the command
  * line. */
 bool iso_visible_complaint(const iso_visible *v, const char *volume, char *text, size_t size);
-
-#endif

@@ -28,8 +28,7 @@
  *
  * An adapted table has one entry per row, so its range is that of the values. If each voxel
  * of a level has a single fine value, the TF is unchanged at these values. */
-#ifndef ISO_TF_ADAPT_H
-#define ISO_TF_ADAPT_H
+#pragma once
 
 #include "tf/histogram.h"
 #include "tf/small_views.h"
@@ -143,5 +142,3 @@ iso_status iso_adapt_tf_2d(const iso_pyramid *p, size_t level, iso_second_value 
 /* Converts a table to a TF: one point per entry and an explicit range, so that tabulating it returns the same entries
  * up to rounding. ISO_E_MEMORY; ISO_E_RANGE beyond ISO_TF_MOST_EXTINCTION. */
 iso_status iso_tf_from_table(const iso_tf_table *table, iso_tf *tf, iso_error *err);
-
-#endif

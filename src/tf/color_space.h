@@ -3,8 +3,7 @@
  *
  * Display colors are sRGB, 0 to 1. The spaces and their constants are VTK's (vtkColorTransferFunction, vtkMath), so
  * that a curve looks as its author saw it. Lab is CIE 1976 with white point D65. */
-#ifndef ISO_COLOR_SPACE_H
-#define ISO_COLOR_SPACE_H
+#pragma once
 
 #include "base/names.h"
 
@@ -32,5 +31,3 @@ void iso_color_to_lab(const double rgb[3], double lab[3]);
 /* Applies the transfer curve of IEC 61966-2-1; its inverse. */
 double iso_srgb_to_linear(double c);
 double iso_linear_to_srgb(double c);
-
-#endif

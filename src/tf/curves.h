@@ -4,8 +4,7 @@
  *
  * The rules are those of VTK's vtkPiecewiseFunction and vtkColorTransferFunction, which Slicer and ParaView use. Other
  * programs draw lines between display colors: the same with midpoint 1/2, sharpness 0 and RGB. */
-#ifndef ISO_TF_CURVES_H
-#define ISO_TF_CURVES_H
+#pragma once
 
 #include "tf/color_space.h"
 #include "tf/tf.h"
@@ -59,5 +58,3 @@ iso_status iso_tf_measure_loss(const iso_tf_curves *curves, iso_tf *tf, iso_erro
  * entries. grid: number of places at which the table is looked up; 0: its entries. x runs from lo to hi. */
 iso_status iso_tf_reduce(const iso_tf_table *table, double unit_mm, size_t grid, double most, iso_tf_curves *curves,
                          iso_error *err);
-
-#endif

@@ -6,8 +6,7 @@
  * its name and, if several formats share an ending, from its content. To write,
  * it follows from the name alone. Every command that takes a transfer function
  * reads these files, and `isoshade tf convert` reads and writes them. */
-#ifndef ISO_TF_FORMAT_H
-#define ISO_TF_FORMAT_H
+#pragma once
 
 #include "base/names.h"
 #include "tf/curves.h"
@@ -77,5 +76,3 @@ iso_status iso_tf_choose(const iso_tf_file *file, const char *what, const char *
 
 /* Resamples the curves to a TF according to the file's request. Destroys `curves` also on failure. */
 iso_status iso_tf_take_curves(const iso_tf_file *file, iso_tf_curves *curves, iso_tf *tf, iso_error *err);
-
-#endif

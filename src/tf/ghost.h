@@ -13,8 +13,7 @@
  *
  * both summed over all pixels, the first weighted by the transmittance in front of it. The original transfer function
  * shows almost nothing in empty voxels, since a mean lies between its values. */
-#ifndef ISO_TF_GHOST_H
-#define ISO_TF_GHOST_H
+#pragma once
 
 #include <stdint.h>
 
@@ -43,5 +42,3 @@ iso_status iso_ghost_measure(const iso_pyramid *p, size_t level, const iso_tf_ta
  * less. Repeats it, as a removed ghost uncovers others, until hardly any is left. in: with `empty`; its transfer
  * functions are not used. *given_back: number of entries. ISO_E_MEMORY. */
 iso_status iso_ghost_remove(const iso_small_views_input *in, iso_tf_table *adapted, size_t *given_back, iso_error *err);
-
-#endif

@@ -31,8 +31,7 @@
  *
  * Stored as rows of (z, count), z ascending; files are dense or sparse, whichever is
  * smaller. */
-#ifndef ISO_TF_HISTOGRAM_H
-#define ISO_TF_HISTOGRAM_H
+#pragma once
 
 #include <stdint.h>
 
@@ -134,5 +133,3 @@ iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, const iso_joi
 
 /* Returns the bytes of the smaller form before compression, for Table 1. */
 double iso_joint_stored_bytes(const iso_joint *joint);
-
-#endif

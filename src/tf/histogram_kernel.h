@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* histogram_kernel.h - rows of level k at the fine voxels; private to src/tf. */
-#ifndef ISO_TF_HISTOGRAM_KERNEL_H
-#define ISO_TF_HISTOGRAM_KERNEL_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -32,5 +31,3 @@ void iso_join_bins(const float *values, size_t n, iso_row_scale scale, uint32_t 
 /* Adds 1 to the count of each key, alternating between two tables (which may be the same one), so that an increment
  * need not wait for the last. Eight equal keys are one addition: volumes have large parts of one value. */
 void iso_count_keys(const uint32_t *keys, size_t n, uint32_t *even, uint32_t *odd);
-
-#endif

@@ -4,8 +4,7 @@
  * `tf adapt` and others keep joint histograms in the pyramid's folder and read them instead of counting again
  * (histogram.h). They have no checksum; a load accepts any counts that add up to level 0's voxels. Counts are integers
  * that do not depend on threads or slabs, so each file is counted again from the levels and compared bin by bin. */
-#ifndef ISO_TF_HISTOGRAM_VERIFY_H
-#define ISO_TF_HISTOGRAM_VERIFY_H
+#pragma once
 
 #include "tf/histogram.h"
 
@@ -24,5 +23,3 @@ bool iso_joint_check_is_good(const iso_joint_check *check);
 /* Writes "level 1: its joint histogram of 8 bits counts 160 of 600 voxels in other bins than its levels" into text, cut
  * to size, and returns it. */
 const char *iso_joint_check_text(const iso_joint_check *check, char *text, size_t size);
-
-#endif

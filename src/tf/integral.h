@@ -10,8 +10,7 @@
  *
  * [engel-2001] sec. 3.3: integral functions instead of a table over both ends. The absorption within a segment ignores
  * the order of its colors, an error of third order in the segment's length. */
-#ifndef ISO_TF_INTEGRAL_H
-#define ISO_TF_INTEGRAL_H
+#pragma once
 
 #include "tf/tf.h"
 
@@ -25,5 +24,3 @@ void iso_tf_integral_destroy(iso_tf_integral *integral); /* accepts empty */
 
 /* Computes the means over values from a to b, in either order: sigma r, g, b; sigma, per mm. a == b gives the TF. */
 void iso_tf_integral_mean(const iso_tf_integral *integral, double a, double b, double mean[4]);
-
-#endif

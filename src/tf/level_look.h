@@ -5,8 +5,7 @@
  *
  * Under the scene's transfer function a level is shown so by all commands, without --adapt. Under another one it is
  * shown as any level; an optimized one as it is. */
-#ifndef ISO_TF_LEVEL_LOOK_H
-#define ISO_TF_LEVEL_LOOK_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 #include "tf/tf.h"
@@ -25,5 +24,3 @@ const uint8_t *iso_level_own_scale(const iso_pyramid *p, size_t level, const iso
 
 /* Returns a new object for a level of made_for. */
 json_t *iso_level_look_to_json(const iso_tf_table *own);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* paraview.h - parts shared by the readers of ParaView's color maps in JSON and in XML. */
-#ifndef ISO_TF_PARAVIEW_H
-#define ISO_TF_PARAVIEW_H
+#pragma once
 
 #include "tf/curves.h"
 
@@ -11,5 +10,3 @@ bool iso_paraview_is_ciede2000(const char *name);
 iso_status iso_paraview_space(const char *name, const char *path, iso_color_space *space, iso_error *err);
 /* Marks maps from 0 or -1 to 1 as fractions of a range, as ParaView fits them to the data. */
 void iso_paraview_fit(iso_tf_curves *curves);
-
-#endif

@@ -7,8 +7,7 @@
  *   object       0 at the end of the background, 1 on the 99.9 % quantile of the values beyond it
  *   signed       0 on the background's peak, -1 and 1 at equal distances, one of them at the farther end of the values
  * The preset "auto" is the result of suggest.h. */
-#ifndef ISO_TF_PRESETS_H
-#define ISO_TF_PRESETS_H
+#pragma once
 
 #include "base/names.h"
 #include "tf/survey.h"
@@ -31,5 +30,3 @@ iso_status iso_tf_of_volume(const char *name, const iso_tf_request *request, con
                             iso_tf *tf, iso_error *err);
 /* Checks a name before the volume is read: unknown preset, missing or damaged file. */
 iso_status iso_tf_check_name(const char *name, const iso_tf_request *request, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* slicer.h - parts shared by the readers of 3D Slicer's volume properties. */
-#ifndef ISO_TF_SLICER_H
-#define ISO_TF_SLICER_H
+#pragma once
 
 #include "tf/format.h"
 
@@ -17,5 +16,3 @@ typedef struct iso_slicer_texts {
     const char *scalar_opacity, *gradient_opacity, *color;
 } iso_slicer_texts;
 iso_status iso_slicer_curves(const iso_slicer_texts *texts, const char *path, iso_tf_curves *curves, iso_error *err);
-
-#endif

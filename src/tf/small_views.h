@@ -8,8 +8,7 @@
  *
  * Cost: at most 12 * 64^2 rays, with one sample per crossed voxel; so the cost per voxel of level 0 falls with the
  * square of the volume's size. Results do not depend on the number of threads. */
-#ifndef ISO_TF_SMALL_VIEWS_H
-#define ISO_TF_SMALL_VIEWS_H
+#pragma once
 
 #include "image/image.h"
 #include "pyramid/pyramid.h"
@@ -64,5 +63,3 @@ typedef struct iso_small_views_input {
 /* Compares; errors[i] belongs to tfs[i]. ISO_E_MEMORY. */
 iso_status iso_small_views_compare(const iso_small_views_input *in,
                                    iso_small_views_error errors[ISO_SMALL_VIEWS_MAX_TFS], iso_error *err);
-
-#endif

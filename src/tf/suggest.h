@@ -9,8 +9,7 @@
  * shown, as a thin shell. A label map has a plateau per label instead, in its segment's color if the file names one. At
  * most ISO_SUGGEST_POINTS points, in the volume's own values, so that they can be edited. Results do not depend on the
  * number of threads. */
-#ifndef ISO_TF_SUGGEST_H
-#define ISO_TF_SUGGEST_H
+#pragma once
 
 #include "tf/survey.h"
 #include "tf/tf.h"
@@ -43,5 +42,3 @@ typedef struct iso_suggestion {
 iso_status iso_suggest(const iso_survey *survey, const iso_geometry *level0, iso_suggestion *suggestion,
                        iso_error *err);
 void iso_suggestion_destroy(iso_suggestion *suggestion);
-
-#endif

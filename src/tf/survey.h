@@ -13,8 +13,7 @@
  * The background is the highest peak of the values on the box's faces, from its rise to its end.
  *
  * Counts are integers, and quantiles use voxels at a fixed stride: results do not depend on the number of threads. */
-#ifndef ISO_TF_SURVEY_H
-#define ISO_TF_SURVEY_H
+#pragma once
 
 #include <stdint.h>
 
@@ -57,5 +56,3 @@ double iso_survey_value(const iso_survey *s, double bin);
 int iso_survey_bin(const iso_survey *s, double value);
 /* Returns the magnitude, in value per voxel, of bin `slope` of the second axis. */
 double iso_survey_slope(const iso_survey *s, double slope);
-
-#endif

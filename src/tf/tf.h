@@ -16,8 +16,7 @@
  *
  * Between points color and opacity are linear in value; entry i of M stands at
  * lo + i (hi - lo) / (M - 1). Two points of equal value make a step. */
-#ifndef ISO_TF_H
-#define ISO_TF_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -124,5 +123,3 @@ static inline void iso_tf_lookup(const iso_tf_table *t, double value, double rgb
     for (int c = 0; c < 4; ++c)
         rgbs[c] = (1 - f) * (double)e[c] + f * (double)e[4 + c];
 }
-
-#endif

@@ -20,8 +20,7 @@
  * Lookup is bilinear between entries, each component by itself, and clamped to the
  * outermost rows and entries. All renderers follow this definition; the reference
  * calls iso_tf_2d_lookup(). */
-#ifndef ISO_TF_2D_H
-#define ISO_TF_2D_H
+#pragma once
 
 #include <stdint.h>
 
@@ -54,5 +53,3 @@ static inline void iso_tf_2d_lookup(const iso_tf_2d *t, double value, double row
 /* Creates *envelope, a 1D transfer function that bounds t: each entry has the largest extinction and the largest color
  * components over all rows, so that it is transparent only if all rows are. ISO_E_MEMORY. */
 iso_status iso_tf_2d_envelope(const iso_tf_2d *t, iso_tf_table *envelope, iso_error *err);
-
-#endif

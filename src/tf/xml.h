@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* xml.h - reading of small XML files by libxml2, with errors that name the file, the element and the attribute. Fetches
  * nothing and replaces no entities. */
-#ifndef ISO_TF_XML_H
-#define ISO_TF_XML_H
+#pragma once
 
 #include <libxml/tree.h>
 #include <stdbool.h>
@@ -28,5 +27,3 @@ iso_status iso_xml_optional_number(const iso_tf_file *file, const xmlNode *node,
                                    const double limits[2], double *value, iso_error *err);
 
 extern const double iso_xml_any[2], iso_xml_fraction[2], iso_xml_byte[2]; /* limits */
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* agreement_rows.h - the images that a level is compared with, and the report's rows about them. Shared by the
  * comparisons of the same samples (agreement.c) and of limits (agreement_limits.c). */
-#ifndef ISO_VALIDATE_AGREEMENT_ROWS_H
-#define ISO_VALIDATE_AGREEMENT_ROWS_H
+#pragma once
 
 #include "validate/validate.h"
 
@@ -73,5 +72,3 @@ iso_status iso_validate_compare_limit(iso_validation *v, size_t level, const iso
                                       const iso_level_truths *t, struct iso_version_limit_kept *kept, iso_error *err);
 /* Compares all selected renderers, with at most v->limit_size pixels. */
 iso_status iso_validate_limits_at(iso_validation *v, size_t level, iso_error *err);
-
-#endif

@@ -9,8 +9,7 @@
  *   any other renderer            its own by the same steps; its limit is compared with the reference
  *
  * A file that holds colors of 0 to 1 is compared with the clipped picture of the reference. */
-#ifndef ISO_VALIDATE_ARTEFACT_H
-#define ISO_VALIDATE_ARTEFACT_H
+#pragma once
 
 #include "targets/targets.h"
 #include "validate/validate.h"
@@ -38,5 +37,3 @@ typedef struct iso_artefact_result {
 iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a, iso_artefact_result *out,
                                 const iso_progress *progress, iso_error *err);
 void iso_artefact_release(iso_artefact_result *result);
-
-#endif

@@ -17,8 +17,7 @@
  *                      its own highlight, by its own direction to the eye.
  *   interpolation      two directions of unequal length at right angles, voxel by
  *                      voxel: filtered as they are, then normalized. */
-#ifndef ISO_VALIDATE_CALIBRATE_H
-#define ISO_VALIDATE_CALIBRATE_H
+#pragma once
 
 #include "validate/calibration_stage.h"
 
@@ -54,5 +53,3 @@ iso_status iso_calibration_prepare(int check, iso_calibration_stage *stage, iso_
 /* Runs one check alone, by its place. */
 iso_status iso_calibrate_check(iso_renderers *r, const iso_renderer_info *which, const iso_calibration_fault *fault,
                                int check, iso_calibration *out, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* calibration_stage.h - the scene of a check of calibrate.h: a tiny volume, its view, and the expected picture. */
-#ifndef ISO_VALIDATE_CALIBRATION_STAGE_H
-#define ISO_VALIDATE_CALIBRATION_STAGE_H
+#pragma once
 
 #include "renderers/renderers.h"
 
@@ -43,5 +42,3 @@ iso_status iso_calibration_render(iso_calibration_stage *stages, size_t count, i
                                   const iso_renderer_info *which, const iso_calibration_fault *fault, iso_error *err);
 /* Returns the largest difference between rendered and expected image. */
 double iso_calibration_largest_difference(iso_calibration_stage *s, const iso_renderer_info *which);
-
-#endif

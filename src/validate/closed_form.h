@@ -7,8 +7,7 @@
  *     C = c shade (1 - exp(-tau)) + exp(-tau) background,   tau = integral of sigma(s(t)) dt
  * s is linear along the ray except in pieces with a coordinate clamped to the edge. sigma is piecewise linear in s:
  * each piece is integrated by its antiderivative. */
-#ifndef ISO_VALIDATE_CLOSED_FORM_H
-#define ISO_VALIDATE_CLOSED_FORM_H
+#pragma once
 
 #include "image/image.h"
 #include "pyramid/pyramid.h"
@@ -20,5 +19,3 @@ iso_status iso_closed_form_check(const iso_level *level, const iso_view *view, i
 /* Creates *image. ISO_E_RANGE: the voxels are not linear, or the visible part of the TF has several colors. */
 iso_status iso_closed_form_render(const iso_level *level, iso_code code, const iso_view *view, iso_image *image,
                                   iso_error *err);
-
-#endif

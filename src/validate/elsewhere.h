@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* elsewhere.h - requests for a renderer on another machine (renderers/request.h): a folder for each scene and level and
  * for each calibration, and an index and a text that list the wanted pictures (renderers/pictures.h). */
-#ifndef ISO_VALIDATE_ELSEWHERE_H
-#define ISO_VALIDATE_ELSEWHERE_H
+#pragma once
 
 #include "base/json.h"
 #include "pyramid/pyramid.h"
@@ -23,5 +22,3 @@ iso_status iso_elsewhere_write_calibrations(const iso_elsewhere *e, iso_error *e
 /* Writes pictures.json and README.txt. command: the line that made them; validate: the line that compares the
  * pictures. */
 iso_status iso_elsewhere_finish(const iso_elsewhere *e, const char *command, const char *validate, iso_error *err);
-
-#endif

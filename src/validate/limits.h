@@ -14,8 +14,7 @@
  * farther off than allowed, and the halving left nearly all of the error, the renderer fails at once: finer steps would
  * only make the bars narrower. A correct renderer passes in the end. The difference of a wrong one stays, while its bar
  * shrinks. */
-#ifndef ISO_VALIDATE_LIMITS_H
-#define ISO_VALIDATE_LIMITS_H
+#pragma once
 
 #include "renderers/renderers.h"
 #include "compare/extrapolation.h"
@@ -55,5 +54,3 @@ iso_status iso_limit_find(const iso_render_request *what, const iso_image *refer
  * planes and intervals of a limit of iso_limit_find(), it is the same image. */
 iso_status iso_limit_render(const iso_render_request *what, const iso_renderer_info *which,
                             const iso_limit_options *opt, iso_image *image, iso_error *err);
-
-#endif

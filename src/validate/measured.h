@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* measured.h - what consistency.c measured of the levels, for level_verdict.c to judge. */
-#ifndef ISO_VALIDATE_MEASURED_H
-#define ISO_VALIDATE_MEASURED_H
+#pragma once
 
 #include "report/levels.h"
 #include "scene/views.h"
@@ -81,5 +80,3 @@ typedef struct iso_angles_of {
  * none. */
 iso_status iso_validate_compare_angles(const iso_validation *v, size_t level, iso_angles_of a, iso_angles_of b,
                                        double confidence, iso_paired *difference, iso_error *err);
-
-#endif

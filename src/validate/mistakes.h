@@ -7,8 +7,7 @@
  *
  * A picture's difference counts by its part of the same picture's error, so that a small mistake is seen next to a
  * large one in another picture. */
-#ifndef ISO_VALIDATE_MISTAKES_H
-#define ISO_VALIDATE_MISTAKES_H
+#pragma once
 
 #include "validate/calibrate.h"
 
@@ -35,5 +34,3 @@ iso_status iso_mistakes_draw(int check, const size_t *mistakes, size_t count, in
 /* Looks for the mistakes of pictures, one per check; those without pixels are left out. */
 iso_status iso_mistakes_of_pictures(const iso_image pictures[ISO_CALIBRATION_COUNT], int threads, iso_mistakes *found,
                                     iso_error *err);
-
-#endif

@@ -14,8 +14,7 @@
  * (1 - exp(-s dt)) / s >= dt exp(-s dt), so the sum bounds the change of the midpoints' sum to first order.
  *
  * It excludes the rounding of gradients on the fly that are nearly zero. */
-#ifndef ISO_VALIDATE_ROUNDING_H
-#define ISO_VALIDATE_ROUNDING_H
+#pragma once
 
 #include "renderers/renderers.h"
 
@@ -23,5 +22,3 @@
  * Zeros for a view with a region of interest. */
 iso_status iso_rounding_bound(const iso_level *level, iso_code code, const iso_view *view, iso_direction_source source,
                               bool float_rays, int threads, iso_sample_error *most, iso_error *err);
-
-#endif

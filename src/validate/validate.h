@@ -11,8 +11,7 @@
  *   consistency    each level, each way to make directions, and either TF, against level 0
  *
  * All of it goes into one report (report/report.h). */
-#ifndef ISO_VALIDATE_H
-#define ISO_VALIDATE_H
+#pragma once
 
 #include "validate/limits.h"
 #include "base/progress_line.h"
@@ -214,5 +213,3 @@ typedef struct iso_suite_options {
     iso_status (*make_volume)(const char *words, const char *path, iso_error *err);
 } iso_suite_options;
 iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, iso_error *err);
-
-#endif

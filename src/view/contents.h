@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* contents.h - the data of a viewer's page: packed arrays, and JSON that describes them. */
-#ifndef ISO_VIEW_CONTENTS_H
-#define ISO_VIEW_CONTENTS_H
+#pragma once
 
 #include <jansson.h>
 
@@ -27,5 +26,3 @@ iso_status iso_contents_add_array(iso_contents *contents, const char *name, cons
 /* Returns a new object that describes a code. */
 json_t *iso_contents_code_json(iso_code code);
 void iso_contents_destroy(iso_contents *contents);
-
-#endif

@@ -6,8 +6,7 @@
  * another, each with the lowest bytes of all voxels first, then the next ones: high bytes are similar and compress
  * well. With `delta`, each number is the difference to the previous voxel's, modulo 2^(8 width). The format is zlib's,
  * for the page's DecompressionStream("deflate"). */
-#ifndef ISO_VIEW_PACK_H
-#define ISO_VIEW_PACK_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -30,5 +29,3 @@ typedef struct iso_packed {
 
 /* Packs an array. ISO_E_MEMORY. */
 iso_status iso_pack(const iso_pack_array *array, iso_packed *packed, iso_error *err);
-
-#endif

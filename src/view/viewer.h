@@ -6,8 +6,7 @@
  * otherwise as 16 bits over the level's range, or as floats; the three bytes of each direction; and joint histograms,
  * with which the page adapts edited transfer functions. The coarsest level comes first, so that it is drawn while finer
  * ones are read. */
-#ifndef ISO_VIEW_VIEWER_H
-#define ISO_VIEW_VIEWER_H
+#pragma once
 
 #include "base/progress.h"
 #include "brick/bricks.h"
@@ -62,5 +61,3 @@ enum { ISO_VIEWER_MOST_TEXELS = 2048 };
  * ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_viewer_save(const iso_viewer *v, const char *path, const iso_progress *progress, iso_viewer_size *size,
                            iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* child.h - a volume that a program of its own reads (child_stream.h); private to src/volume. */
-#ifndef ISO_VOLUME_CHILD_H
-#define ISO_VOLUME_CHILD_H
+#pragma once
 
 #include "volume/stream_kernel.h"
 
@@ -15,5 +14,3 @@ typedef struct iso_child_program {
  * of the path's content to read; NULL: the only one. ISO_E_MISSING if it was not built. */
 iso_status iso_child_open(iso_volume_source *source, const iso_child_program *program, const char *part,
                           iso_error *err);
-
-#endif

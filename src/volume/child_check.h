@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* child_check.h - checks of the output of the programs that read volumes (child_stream.h). It is untrusted input: a
  * damaged file may make its library write anything. Private to src/volume. */
-#ifndef ISO_VOLUME_CHILD_CHECK_H
-#define ISO_VOLUME_CHILD_CHECK_H
+#pragma once
 
 #include "volume/child_stream.h"
 
@@ -19,5 +18,3 @@ iso_status iso_child_check_answer(const iso_child_answer *answer, const char *pa
  * not finite, a box beyond the grid, or too many frames and channels to count. */
 iso_status iso_child_check_header(const iso_child_header *header, const char *path, const char *library,
                                   iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* child_start.h - starts a program that reads volumes (child_stream.h); private to src/volume. */
-#ifndef ISO_VOLUME_CHILD_START_H
-#define ISO_VOLUME_CHILD_START_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -21,5 +20,3 @@ enum { ISO_CHILD_NOT_STARTED = 127 };
  * above 0 has to be waited for. tests/fuzz/in_process.cc has a second one, which calls the program's reader within
  * this process. */
 iso_status iso_child_start(iso_child_process *process, const char *const words[], iso_error *err);
-
-#endif

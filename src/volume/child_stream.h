@@ -5,8 +5,7 @@
  * They are separate programs, since libraries of many formats may crash on a damaged file, which then ends only that
  * program. They are started as
  * PROGRAM PATH PART FRAME CHANNEL UNEVEN: "" for an unnamed part, numbers from 0, and one of iso_uneven. */
-#ifndef ISO_VOLUME_CHILD_STREAM_H
-#define ISO_VOLUME_CHILD_STREAM_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -57,5 +56,3 @@ typedef struct iso_child_header {
     char unspaced[160]; /* "", or the spacing that is missing in the file: "between its slices" */
     char warning[320];  /* "", or a warning for the user, such as a file that is left out */
 } iso_child_header;
-
-#endif

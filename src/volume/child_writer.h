@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* child_writer.h - common code of the programs that read volumes for isoshade (child_stream.h), in C++. */
-#ifndef ISO_VOLUME_CHILD_WRITER_H
-#define ISO_VOLUME_CHILD_WRITER_H
+#pragma once
 
 #include <fcntl.h>
 #include <signal.h>
@@ -272,5 +271,3 @@ inline int run_child(const ChildProgram &program, int argc, char **argv)
     return write_volume(program, argv[1], {argv[2], std::stoul(argv[3]), std::stoul(argv[4]), std::stoul(argv[5])},
                         out);
 }
-
-#endif

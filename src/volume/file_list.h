@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* file_list.h - files that list others, a time step each: ParaView's .pvd and VTK's .series; private to src/volume. */
-#ifndef ISO_VOLUME_FILE_LIST_H
-#define ISO_VOLUME_FILE_LIST_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -25,5 +24,3 @@ bool iso_file_list_is_one(const char *path);
  * time step; ISO_E_IO; ISO_E_MEMORY. */
 iso_status iso_file_list_read(const char *path, iso_file_list *list, iso_error *err);
 void iso_file_list_destroy(iso_file_list *list);
-
-#endif

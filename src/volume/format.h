@@ -4,8 +4,7 @@
  * A format's file, src/volume/NAME_open.c, defines iso_volume_format_NAME and is
  * listed below; doc/extending.md explains. iso_source_open() (stream.h) asks
  * the rows in order whether a file is theirs, by its first bytes. */
-#ifndef ISO_VOLUME_FORMAT_H
-#define ISO_VOLUME_FORMAT_H
+#pragma once
 
 #include "base/names.h"
 #include "volume/stream.h"
@@ -75,5 +74,3 @@ iso_status iso_volume_format_add(const iso_volume_format *format, iso_error *err
 /* Returns the bytes of the longest suffix of any format that `name` ends with. 0: there is none, or nothing precedes
  * it. */
 size_t iso_volume_format_suffix_bytes(const char *name);
-
-#endif

@@ -5,8 +5,7 @@
  * space. A format's open() announces them by iso_source_choose() before it looks at its samples. All later steps
  * read one frame and one channel, which the caller names (iso_volume_hints). Both count from 0, as in nibabel, FSL
  * and ParaView. */
-#ifndef ISO_VOLUME_FRAMES_H
-#define ISO_VOLUME_FRAMES_H
+#pragma once
 
 #include "volume/stream.h"
 
@@ -60,5 +59,3 @@ typedef struct iso_frame_file {
 /* Finds the files of `path`, if it has a place for numbers, as "name_%04d.nrrd", and is not a file itself; or if it
  * is a list of files. ISO_E_USAGE as above. */
 iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* frames_all.h - all frames of a file, or of numbered files: their number, their range, names of their outputs. */
-#ifndef ISO_VOLUME_FRAMES_ALL_H
-#define ISO_VOLUME_FRAMES_ALL_H
+#pragma once
 
 #include "volume/input.h"
 
@@ -18,5 +17,3 @@ iso_status iso_frames_measure(const char *path, const iso_volume_input *input, i
 iso_status iso_frames_labels(const char *path, const iso_volume_input *input, size_t *count, iso_error *err);
 /* Makes "out_0003.iso" of "out.iso" and "out_%04d.iso", if the suffix is ".iso"; to be freed, NULL: out of memory. */
 char *iso_frames_name(const char *output, const char *suffix, size_t frame);
-
-#endif

@@ -15,8 +15,7 @@
  *     level 1   |     0     |     1     |     2     |    size 3, box 2.5
  *
  * Gradients are covariant: world = transpose(inverse(index_to_world)) * index. */
-#ifndef ISO_GEOMETRY_H
-#define ISO_GEOMETRY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -70,5 +69,3 @@ iso_vec3 iso_geometry_box_center_mm(const iso_geometry *g);
 double iso_geometry_box_radius_mm(const iso_geometry *g);
 /* Returns transpose(inverse(index_to_world)), which turns index gradients to world gradients. */
 iso_mat3 iso_geometry_gradient_to_world(const iso_geometry *g);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* half.h - half floats of files; private to src/volume, for C and C++. */
-#ifndef ISO_VOLUME_HALF_H
-#define ISO_VOLUME_HALF_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -15,5 +14,3 @@ static inline float iso_half_to_float(uint16_t half)
                                        : NAN;
     return half & 0x8000 ? -size : size;
 }
-
-#endif

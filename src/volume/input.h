@@ -2,8 +2,7 @@
 /* input.h - settings for reading a volume that its file lacks: size, type and spacing of a file without a header,
  * spacing, unit, which series, frame and channel; stored or physical values. The fields are the texts and numbers of
  * the options of the same names, 0 if not given. */
-#ifndef ISO_VOLUME_INPUT_H
-#define ISO_VOLUME_INPUT_H
+#pragma once
 
 #include "volume/labels.h"
 
@@ -34,5 +33,3 @@ iso_status iso_volume_input_look(const char *path, const iso_volume_input *input
 /* Does the same for a volume that is read by planes. ISO_E_RANGE for labels beyond 16 bits, which only
  * iso_volume_input_load() numbers. */
 iso_status iso_volume_input_labels(const char *path, const iso_volume_input *input, size_t *count, iso_error *err);
-
-#endif

@@ -10,8 +10,7 @@
  * Labels are few: 3 to MAX_COUNT values, with MIN_VOXELS voxels each on average. Two values are never labels by this
  * rule, as no third value between them could be wrong. The rule takes labels that are nested by their numbers, or
  * mostly one voxel thin, for intensities; then the user decides (--labels, --no-labels). */
-#ifndef ISO_VOLUME_LABELS_H
-#define ISO_VOLUME_LABELS_H
+#pragma once
 
 #include <jansson.h>
 
@@ -42,5 +41,3 @@ json_t *iso_labels_names(const iso_label_facts *facts, const json_t *given);
 /* Replaces values by consecutive numbers of 16 bits, in their order; 0 stays 0. v has the values of the facts alone,
  * whose type has 16 bits or more. Its segments become those of iso_labels_names(). */
 void iso_labels_number(iso_volume *v, const iso_label_facts *facts);
-
-#endif

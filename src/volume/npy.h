@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* npy.h - headers of arrays that numpy.save() wrote: a Python dictionary of type, order and shape [NEP 1]. */
-#ifndef ISO_VOLUME_NPY_H
-#define ISO_VOLUME_NPY_H
+#pragma once
 
 #include "base/status.h"
 
@@ -22,5 +21,3 @@ bool iso_npy_type(const iso_npy *n, char *order, char name[3]);
 bool iso_npy_shape(const iso_npy *n, size_t axes[ISO_NPY_MOST_AXES], size_t *count, bool *is_fortran);
 /* Returns whether samples of this byte order have to be swapped. */
 bool iso_npy_is_swapped(char order);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* nrrd_files.h - the data files that an NRRD header names, looked at before teem opens them; private to src/volume. */
-#ifndef ISO_VOLUME_NRRD_FILES_H
-#define ISO_VOLUME_NRRD_FILES_H
+#pragma once
 
 #include <stdio.h>
 
@@ -22,5 +21,3 @@ iso_status iso_nrrd_look_at_files(const char *path, double *bytes, iso_error *er
  * rest of a file, which keeps its position, and in the files of a header. file may be NULL. ISO_E_FORMAT if they are
  * not. */
 iso_status iso_nrrd_check_words(const char *path, FILE *file, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* nrrd_segments.h - the segments that a .seg.nrrd file names; private to src/volume. */
-#ifndef ISO_VOLUME_NRRD_SEGMENTS_H
-#define ISO_VOLUME_NRRD_SEGMENTS_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -10,5 +9,3 @@
 
 /* Returns each segment with its layer (segments.h); NULL if the file names none. has_layers: it has an axis of them. */
 json_t *iso_nrrd_segments(const Nrrd *nrrd, bool has_layers);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * A volume of more than kept_bytes is read slab by slab, twice, and is never whole in memory; a smaller one is read
  * once. The figures are the same except for the last bits of the mean, and do not depend on the number of threads. */
-#ifndef ISO_VOLUME_OVERVIEW_H
-#define ISO_VOLUME_OVERVIEW_H
+#pragma once
 
 #include "volume/input.h"
 #include "volume/value_histogram.h"
@@ -32,5 +31,3 @@ typedef struct iso_overview_options {
 iso_status iso_overview_run(const char *path, const iso_volume_input *input, const iso_overview_options *opt,
                             iso_overview *s, const iso_progress *progress, iso_error *err);
 void iso_overview_destroy(iso_overview *s); /* accepts empty */
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* reader.h - functions that readers of short headers share; private to src/volume. */
-#ifndef ISO_VOLUME_READER_H
-#define ISO_VOLUME_READER_H
+#pragma once
 
 #include "volume/stream_kernel.h"
 
@@ -31,5 +30,3 @@ bool iso_reader_take_type(iso_volume_source *source, const char *word, size_t le
 
 /* Reads numbers between spaces or commas; returns their count, at most `most`. */
 size_t iso_reader_numbers(const char *text, double *out, size_t most);
-
-#endif

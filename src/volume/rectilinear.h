@@ -3,8 +3,7 @@
  *
  * Even coordinates, within 1 % of their mean step, are a volume as they stand. Uneven ones are refused, taken for even
  * (ISO_UNEVEN_FORCE), or interpolated linearly at the smallest step of each axis (ISO_UNEVEN_RESAMPLE). */
-#ifndef ISO_VOLUME_RECTILINEAR_H
-#define ISO_VOLUME_RECTILINEAR_H
+#pragma once
 
 #include "volume/stream_kernel.h"
 
@@ -23,5 +22,3 @@ iso_status iso_rectilinear_measure(const iso_rectilinear *r, const iso_volume_so
 /* Interpolates the samples of an open source if it has uneven coordinates and the hint asks for that; the grid then has
  * steps of its own. Warns with the number of samples. */
 iso_status iso_rectilinear_resample(const iso_rectilinear *r, iso_volume_source *source, iso_error *err);
-
-#endif

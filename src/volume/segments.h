@@ -5,8 +5,7 @@
  *     [ {"label": 1, "name": "liver", "color": [0.87, 0.51, 0.4]}, ... ]
  * Colors are of display (sRGB), 0 to 1, and left out where the file names none. Between reading and choosing among the
  * layers of overlapping segments each has its "layer", too. */
-#ifndef ISO_VOLUME_SEGMENTS_H
-#define ISO_VOLUME_SEGMENTS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -39,5 +38,3 @@ bool iso_segments_layer(const json_t *segments, const char *name, size_t *layer)
 void iso_segments_list_layers(const json_t *segments, size_t layer_count, char *text, size_t size);
 /* Returns those of one layer, without "layer"; NULL if there are none. A new array. */
 json_t *iso_segments_of_layer(const json_t *segments, size_t layer);
-
-#endif

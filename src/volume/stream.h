@@ -18,8 +18,7 @@
  *          voxel centers, so the corner lies at (-1/2, -1/2, -1/2).
  * doc/reference/formats-read.md has the other formats. Trailing axes of one sample are dropped. Of several
  * time steps or several numbers per voxel one is chosen (frames.h). Volumes of two axes are refused. */
-#ifndef ISO_VOLUME_STREAM_H
-#define ISO_VOLUME_STREAM_H
+#pragma once
 
 #include "volume/volume.h"
 
@@ -73,5 +72,3 @@ iso_status iso_sink_write(iso_volume_sink *sink, size_t plane_count, const void 
 /* Puts the file in place; ISO_E_RANGE when planes are missing. Frees the sink in every case. */
 iso_status iso_sink_commit(iso_volume_sink *sink, iso_error *err);
 void iso_sink_abandon(iso_volume_sink *sink); /* accepts NULL */
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* stream_kernel.h - functions that the readers of formats share; private to src/volume. */
-#ifndef ISO_VOLUME_STREAM_KERNEL_H
-#define ISO_VOLUME_STREAM_KERNEL_H
+#pragma once
 
 #include <stdio.h>
 #include <zlib.h>
@@ -120,5 +119,3 @@ double iso_form_value(iso_form form, const void *cells, size_t at);
 iso_status iso_source_check_look(const iso_volume_source *source, iso_error *err);
 /* Makes the source convert samples to floats from now on (iso_source_convert). */
 void iso_source_make_floats(iso_volume_source *source);
-
-#endif

@@ -4,8 +4,7 @@
  * A field is a function of the normalized position p = (world - box center) /
  * (half the shortest box edge), evaluated in double precision; p is in [-1, 1]
  * along the shortest edge. Samples are the field at the voxel centers. */
-#ifndef ISO_SYNTHETIC_H
-#define ISO_SYNTHETIC_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -62,5 +61,3 @@ void iso_field_type_range(iso_type type, double *lo, double *hi);
 /* Samples only the planes [z0, z1), for volumes larger than memory; the geometry has been checked. ISO_E_MEMORY. */
 iso_status iso_field_sample_planes(const iso_field *f, iso_type type, size_t z0, size_t z1, int threads, void *out,
                                    iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* type.h - sample types of volumes. */
-#ifndef ISO_VOLUME_TYPE_H
-#define ISO_VOLUME_TYPE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -58,5 +57,3 @@ size_t iso_type_bytes(iso_type type);
 iso_status iso_type_from_name(const char *name, iso_type *type, iso_error *err);
 /* Finds a type or a form of files by its name, such as float16, float32 or int64. ISO_E_USAGE lists the names. */
 iso_status iso_file_type_from_name(const char *name, iso_type *type, iso_form *form, iso_error *err);
-
-#endif

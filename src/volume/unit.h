@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* unit.h - units of length in headers. World coordinates are millimeters for every file. */
-#ifndef ISO_VOLUME_UNIT_H
-#define ISO_VOLUME_UNIT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -22,5 +21,3 @@ iso_status iso_unit_parse(const char *option, const char *text, double *mm, cons
 const char *iso_unit_fitting(double length_mm, double *unit_mm);
 /* Writes "2.5 um": a length in the unit that fits, with so many digits. Returns the text. */
 char *iso_unit_text(double length_mm, int digits, char *text, size_t size);
-
-#endif

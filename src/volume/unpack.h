@@ -2,8 +2,7 @@
 /* unpack.h - files that a general program packed: gzip, bzip2, xz, zstd, lz4 or compress, through libarchive.
  *
  * In:  a file.   Out: an unpacked copy in a private temporary folder, for readers that take plain files. */
-#ifndef ISO_VOLUME_UNPACK_H
-#define ISO_VOLUME_UNPACK_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -27,5 +26,3 @@ iso_status iso_unpack(const char *path, iso_unpacked *file, iso_error *err);
 iso_status iso_unpack_member(const char *path, const char *name, const char *ending, iso_unpacked *file, iso_error *err);
 /* Accepts an empty struct. */
 void iso_unpacked_remove(iso_unpacked *file);
-
-#endif

@@ -2,8 +2,7 @@
 /* value_histogram.h - how many voxels have which value, for people to look at: over a range, in bins that a picture can
  * show. Bins of whole numbers are whole numbers wide and stand around them, so that no bin holds more values than its
  * neighbor: that would draw a comb. */
-#ifndef ISO_VALUE_HISTOGRAM_H
-#define ISO_VALUE_HISTOGRAM_H
+#pragma once
 
 #include "volume/volume.h"
 
@@ -29,5 +28,3 @@ void iso_value_histogram_end(iso_value_histogram *h);
 bool iso_volume_is_whole(const iso_volume *v); /* no value has a fraction, as in Hounsfield units stored as floats */
 
 void iso_value_histogram_destroy(iso_value_histogram *h); /* accepts empty */
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* value_unit.h - the unit of a volume's values, such as HU, which files may name: DICOM, NRRD, netCDF. Apart from input.h,
  * whose volumes do without. */
-#ifndef ISO_VOLUME_VALUE_UNIT_H
-#define ISO_VOLUME_VALUE_UNIT_H
+#pragma once
 
 #include "volume/input.h"
 
@@ -12,5 +11,3 @@ enum { ISO_VALUE_UNIT_BYTES = 16 };
 const char *iso_value_unit_of(const iso_volume_notes *notes);
 /* Reads the unit from a volume's header; "" also for pyramids and for files that cannot be read. */
 void iso_value_unit_read(const char *path, const iso_volume_input *input, char unit[ISO_VALUE_UNIT_BYTES]);
-
-#endif

@@ -4,8 +4,7 @@
  * Samples stand x fastest, then y, then z. Stages that follow read rows as
  * float (iso_volume_row): exact for 8 and 16 bits and float; 32-bit integers
  * and doubles are rounded to the nearest float, which `isoshade info` reports. */
-#ifndef ISO_VOLUME_H
-#define ISO_VOLUME_H
+#pragma once
 
 #include "base/progress.h"
 #include "base/status.h"
@@ -84,5 +83,3 @@ typedef struct iso_raw_layout {
 iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, iso_volume *v, iso_error *err);
 
 /* iso_volume_save() writes NRRD: in the library's header. */
-
-#endif

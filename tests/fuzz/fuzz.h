@@ -10,8 +10,7 @@
  * back as it was written.
  *
  * An input is one file, or several: a line "==== NAME" begins each further one, which then lies beside the first. */
-#ifndef ISO_FUZZ_H
-#define ISO_FUZZ_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -80,5 +79,3 @@ void fuzz_read_words(const char *path);
 size_t fuzz_mutate(const fuzz_target *target, fuzz_random *random, uint8_t *data, size_t size, size_t most);
 /* One that knows the shape alone; 0 where it does not fit. */
 size_t fuzz_mutate_shape(const fuzz_target *target, fuzz_random *random, uint8_t *data, size_t size, size_t most);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* mutate.h - what the files of mutations have in common. */
-#ifndef ISO_FUZZ_MUTATE_H
-#define ISO_FUZZ_MUTATE_H
+#pragma once
 
 #include "tests/fuzz/fuzz.h"
 
@@ -13,5 +12,3 @@ const uint8_t *fuzz_some_word(fuzz_random *random, size_t *size);
 uint64_t fuzz_some_edge(fuzz_random *random);
 /* One or a few values of the JSON text that the input is, or the first of its files; 0: it has none. */
 size_t fuzz_mutate_json(fuzz_random *random, uint8_t *data, size_t size, size_t most);
-
-#endif

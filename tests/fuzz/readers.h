@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* readers.h - what each target does with its input. */
-#ifndef ISO_FUZZ_READERS_H
-#define ISO_FUZZ_READERS_H
+#pragma once
 
 #include "tests/fuzz/fuzz.h"
 
@@ -31,5 +30,3 @@ void fuzz_repair_png(uint8_t *data, size_t size);
 /* What is read back has to be what was written. */
 struct json_t;
 void fuzz_check_same(const char *what, const struct json_t *written, const struct json_t *read);
-
-#endif

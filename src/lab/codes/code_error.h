@@ -7,8 +7,7 @@
  * voxel t = 0. Means are over random directions (and t uniform in [0, 1]). The maximum
  * is found by a climb from the worst of these: some probe attains it, so it is a lower
  * bound of the true maximum. */
-#ifndef ISO_LAB_CODE_ERROR_H
-#define ISO_LAB_CODE_ERROR_H
+#pragma once
 
 #include "base/linalg.h"
 #include "encode/code.h"
@@ -47,5 +46,3 @@ double iso_angle_deg(iso_vec3 a, iso_vec3 b);
 
 /* Returns a vector uniform on the sphere, by iso_xorshift_unit(). */
 iso_vec3 iso_random_unit_vector(uint64_t *state);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* code_hole.h - the largest hole of each code: the largest angle from any direction
  * to the nearest one that the code can represent (hole.h). */
-#ifndef ISO_LAB_CODE_HOLE_H
-#define ISO_LAB_CODE_HOLE_H
+#pragma once
 
 #include "encode/code.h"
 #include "lab/codes/hole.h"
@@ -16,5 +15,3 @@ iso_status iso_code_hole(iso_code code, double tolerance_deg, iso_hole *hole, co
 
 /* Measures the 48 regions with another lambda in Eq. 2 of [diaz-garcia-2017]; 0: without Eq. 2. */
 iso_status iso_region48_hole(double lambda, double tolerance_deg, iso_hole *hole, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* encode_exact.h - searches for the best codes, to judge the encoders of src/encode. */
-#ifndef ISO_LAB_ENCODE_EXACT_H
-#define ISO_LAB_ENCODE_EXACT_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -11,5 +10,3 @@ void iso_encode_fit_exact(const float *restrict directions, uint8_t *restrict by
 /* Finds the best fit with another mu (fit.h), the same for all lengths. */
 void iso_encode_fit_with_mu(double mu, const float *restrict directions, uint8_t *restrict bytes, size_t count);
 void iso_encode_region48_exact(const float *restrict directions, uint8_t *restrict bytes, size_t count);
-
-#endif

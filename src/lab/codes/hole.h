@@ -12,8 +12,7 @@
  * distance(q) + rho. Triangles are cut in four until this is below the largest distance
  * found plus the tolerance. The result is attained, and at most the tolerance below the
  * supremum. */
-#ifndef ISO_LAB_HOLE_H
-#define ISO_LAB_HOLE_H
+#pragma once
 
 #include <stddef.h>
 
@@ -29,5 +28,3 @@ typedef struct iso_hole {
  * ISO_E_RANGE: one is outside the chamber, or there is none; ISO_E_MEMORY. */
 iso_status iso_hole_measure(const iso_vec3 *directions, size_t count, double tolerance_deg, iso_hole *hole,
                             iso_error *err);
-
-#endif

@@ -3,8 +3,7 @@
  * the transform T from a table, then a linear search along the transformed direction.
  * Kept to reproduce the paper's tables 3 and 4; the code's own encoder
  * (encode_region48.c) needs no table and finds the same codes. */
-#ifndef ISO_LAB_PAPER_TABLE_H
-#define ISO_LAB_PAPER_TABLE_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -24,5 +23,3 @@ void iso_paper_table_destroy(iso_paper_table *table);
 
 void iso_paper_encode(const iso_paper_table *table, const float *restrict directions, uint8_t *restrict bytes,
                       size_t count);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* region48.h - parts shared by the double-precision encoders of region48. */
-#ifndef ISO_LAB_REGION48_H
-#define ISO_LAB_REGION48_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -36,5 +35,3 @@ static inline void iso_region48_bytes(const double v[3], const int order[3], iso
     for (int a = 0; a < 3; ++a)
         bytes[order[a]] = (uint8_t)(int)((v[order[a]] < 0 ? 255 - odd[a] : 255 + odd[a]) / 2);
 }
-
-#endif

@@ -3,8 +3,7 @@
  *
  * Bricks on one side of the volume have level 0, those on the other side the coarse level. The border between them has
  * a corner, so that the levels share faces of all three directions, edges and a corner. */
-#ifndef ISO_LAB_FIGURE_PAPER_BRICKS_H
-#define ISO_LAB_FIGURE_PAPER_BRICKS_H
+#pragma once
 
 #include "brick/bricks.h"
 #include "scene/scene.h"
@@ -44,5 +43,3 @@ bool iso_mixed_find_border(const iso_mixed *m, const iso_mixed_seen *seen, iso_v
 /* Turns the view to a place, so that its picture is `height_mm` high there. frame: that picture's left, top, right and
  * bottom within the original one, 0 to 1. */
 void iso_mixed_magnify(const iso_view *view, iso_vec3 world_mm, double height_mm, iso_view *magnified, double frame[4]);
-
-#endif

@@ -6,8 +6,7 @@
  * number of directions is therefore exactly the number of integer vectors without a common factor:
  *     signed    sum over d of mu(d) ((2 floor(m / d) + 1)^3 - 1), m = 2^(bits - 1) - 1
  *     unsigned  sum over odd d of mu(d) (2 floor((floor(m / d) + 1) / 2))^3, m = 2^bits - 1, of odd numbers only */
-#ifndef ISO_LAB_FIGURE_PAPER_DOTS_H
-#define ISO_LAB_FIGURE_PAPER_DOTS_H
+#pragma once
 
 #include "base/linalg.h"
 #include "encode/code.h"
@@ -32,5 +31,3 @@ size_t iso_dots_formula(bool is_signed, int bits);
 /* Finds the largest hole: the diameter in degrees of the largest cap without a direction, as in Table 1 of the
  * gradients paper. It is twice the radius of encode/hole.h. */
 iso_status iso_dots_hole_deg(const iso_dots *dots, double *across_deg, iso_error *err);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* paper_drawing.h - points, lines and triangles in space on a drawing of paper.h, by parallel projection. Output is a
  * block of gnuplot data, to be plotted "with lines". */
-#ifndef ISO_LAB_FIGURE_PAPER_DRAWING_H
-#define ISO_LAB_FIGURE_PAPER_DRAWING_H
+#pragma once
 
 #include <stdio.h>
 
@@ -29,5 +28,3 @@ void iso_drawing_put_triangle(const iso_drawing *d, const iso_vec3 corners[3]);
 /* Returns a component by its index, 0 to 2; the vector with that component replaced. */
 double iso_drawing_component(iso_vec3 v, int axis);
 iso_vec3 iso_drawing_with(iso_vec3 v, int axis, double value);
-
-#endif

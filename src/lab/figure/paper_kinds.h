@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* paper_kinds.h - figures of the four papers that isoshade implements, as kinds of figures (job.h), drawn from the
  * program's own data. doc/results/paper-figures.md shows each. */
-#ifndef ISO_LAB_FIGURE_PAPER_KINDS_H
-#define ISO_LAB_FIGURE_PAPER_KINDS_H
+#pragma once
 
 #include "figure/job.h"
 #include "pyramid/pyramid.h"
@@ -40,5 +39,3 @@ const iso_lab_figure_options *iso_lab_figure_of(const iso_figure_job *job);
 
 /* Sets *value to the value of --surface, 1/2 of the range by default. ISO_E_RANGE: not between 0 and 1. */
 iso_status iso_paper_surface(const iso_figure_job *job, const iso_level *level0, double *value, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* paper_own.h - shared by the figures of the papers: drawings, a default volume by a formula, and its scene. */
-#ifndef ISO_LAB_PAPER_OWN_H
-#define ISO_LAB_PAPER_OWN_H
+#pragma once
 
 #include "figure/paper.h"
 #include "pyramid/pyramid.h"
@@ -36,5 +35,3 @@ typedef struct iso_paper_look {
 } iso_paper_look;
 iso_status iso_paper_scene(const iso_figure_job *job, const iso_paper_look *own, const iso_pyramid *p, iso_scene *scene,
                            iso_error *err);
-
-#endif

@@ -13,8 +13,7 @@
  *      b  |  d
  *       \ | /               patch of a move: the triangles that it changed; its outline
  *         c                 stays, so that it contains the same directions as before */
-#ifndef ISO_LAB_PALETTE_MESH_H
-#define ISO_LAB_PALETTE_MESH_H
+#pragma once
 
 #include "base/linalg.h"
 #include "base/random.h"
@@ -59,5 +58,3 @@ void iso_mesh_revert(mesh *m);
 
 /* True if every edge is convex and every triangle positive seen from the center; for tests. */
 bool iso_mesh_is_convex(const mesh *m);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* palette_tables.h - a fixed table, independent of the data. */
-#ifndef ISO_LAB_PALETTE_TABLES_H
-#define ISO_LAB_PALETTE_TABLES_H
+#pragma once
 
 #include "palette/palette.h"
 
@@ -9,5 +8,3 @@
  * the new vertices are moved to the sphere. Writes the normals of 60 4^level faces. */
 size_t iso_subdivision_faces(int level);
 iso_status iso_palette_subdivide(int level, float *xyz, iso_error *err);
-
-#endif

@@ -7,8 +7,7 @@
  *   palettes.c          the choice of a method; k-means++; the paper's ellipsoid
  *   palette_tables.c    regular subdivision
  *   palette_anneal.c    the paper's method, on the triangulation of palette_mesh.c */
-#ifndef ISO_LAB_PALETTES_H
-#define ISO_LAB_PALETTES_H
+#pragma once
 
 #include "palette/palette.h"
 
@@ -72,5 +71,3 @@ iso_status iso_rival_palette_check(const iso_rival_options *opt, iso_error *err)
 /* Computes the paper's test set: gradients of x^2 + 15 y^2 + 15 z^2 at random points, in
  * the unit ball or on the ellipsoid (3 floats each, unit). */
 void iso_ellipsoid_gradients(float *vectors, size_t count, bool on_surface, uint64_t seed);
-
-#endif

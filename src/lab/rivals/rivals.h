@@ -4,8 +4,7 @@
  * They are made from the level and its fine voxels at float precision, so that the result is the best of a method
  * before its own quantization. Each is an emitter of the reference (render/reference.h). Shading uses the level's own
  * directions, unless the method is about directions. */
-#ifndef ISO_LAB_RIVALS_H
-#define ISO_LAB_RIVALS_H
+#pragma once
 
 #include "pyramid/pyramid.h"
 #include "render/reference.h"
@@ -64,5 +63,3 @@ typedef struct iso_sggx_sums {
 } iso_sggx_sums;
 void iso_sggx_add(iso_sggx_sums *sums, iso_vec3 n, double weight);
 void iso_sggx_matrix(const iso_sggx_sums *sums, double s[6]);
-
-#endif

@@ -14,8 +14,7 @@
  * depend on no thread: a tile is one thread's work. Between instruction sets they differ by rounding.
  *
  * Paper: [weiss-2021], differentiable direct volume rendering. Test: tests/test_adjoint.c. */
-#ifndef ISO_RENDER_CPU_ADJOINT_H
-#define ISO_RENDER_CPU_ADJOINT_H
+#pragma once
 
 #include "render/cpu/caster.h"
 
@@ -50,5 +49,3 @@ iso_status iso_adjoint_draw(const iso_adjoint_field *field, const iso_view *view
 iso_status iso_adjoint_differentiate(const iso_adjoint_field *field, const iso_view *view, const iso_adjoint_tile *tile,
                                      const float *rgba, const float *by_pixel, const iso_adjoint_gradient *gradient,
                                      iso_error *err);
-
-#endif

@@ -15,8 +15,7 @@
  * Bricks of mixed resolution (mixed.h) have their own nodes. Positions are counted in cells of level 0, index - 1/2 +
  * ISO_CAST_OUTER: so blocks of 4 cells do not lie across bricks, and what is outside the first nodes is above 0.
  * Private to src/render/cpu. */
-#ifndef ISO_RENDER_CPU_CAST_H
-#define ISO_RENDER_CPU_CAST_H
+#pragma once
 
 #include "base/linalg.h"
 #include "scene/scene.h"
@@ -159,5 +158,3 @@ typedef struct iso_cast_gradient {
 typedef void iso_cast_adjoint(const iso_cast *c, const iso_cast_field *f, const iso_cast_tile_at *t,
                               const iso_cast_gradient *g);
 iso_cast_adjoint iso_cast_adjoint_1, iso_cast_adjoint_4, iso_cast_adjoint_8, iso_cast_adjoint_16;
-
-#endif

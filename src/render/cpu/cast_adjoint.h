@@ -10,8 +10,7 @@
  *     dL/dtau = T (1 - a) l <g, c> - r        g: derivative of the sum by the pixel
  *     dL/dc   = T a l g                       dL/dl = T a <g, c>
  */
-#ifndef ISO_RENDER_CPU_CAST_ADJOINT_H
-#define ISO_RENDER_CPU_CAST_ADJOINT_H
+#pragma once
 
 #include "render/cpu/cast_packet.h"
 
@@ -295,5 +294,3 @@ void ISO_CAST_ADJOINT_OF(ISO_CAST_WIDTH)(const iso_cast *c, const iso_cast_field
                 draw_packet(c, f, t, x, y);
         }
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cast_bricks.h - a level's voxels in the bricks of cast.h, and which of its blocks a transfer function shows. */
-#ifndef ISO_RENDER_CPU_CAST_BRICKS_H
-#define ISO_RENDER_CPU_CAST_BRICKS_H
+#pragma once
 
 #include <stdint.h>
 #include <string.h>
@@ -102,5 +101,3 @@ typedef struct iso_cast_blocks {
 iso_status iso_cast_blocks_create(iso_cast_blocks *b, const iso_level *level, const iso_tf_table *tf, int threads,
                                   iso_error *err);
 void iso_cast_blocks_destroy(iso_cast_blocks *b); /* accepts empty */
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* cast_field.h - lookups of a packet of points in the volume: the scalar, its color and extinction, the shading
  * normal. */
-#ifndef ISO_RENDER_CPU_CAST_FIELD_H
-#define ISO_RENDER_CPU_CAST_FIELD_H
+#pragma once
 
 #include "fit/extinction_scale.h"
 #include "render/cpu/cast.h"
@@ -540,5 +539,3 @@ CAST vec normal_at(const iso_cast *c, const points *p, const place *at, vi mask)
     }
     return shading_normal(d);
 }
-
-#endif

@@ -5,8 +5,7 @@
  *
  * For one picture: bricks that the transfer function or an opaque part hides have neither directions nor memory. The
  * bricks have the same bits as those of a whole level, and so has the picture. */
-#ifndef ISO_RENDER_CPU_CAST_MADE_H
-#define ISO_RENDER_CPU_CAST_MADE_H
+#pragma once
 
 #include "render/cpu/cast_bricks.h"
 
@@ -25,5 +24,3 @@ iso_status iso_cast_make_on_demand(iso_cast_maker **maker, iso_cast *c, const is
 void iso_cast_maker_destroy(iso_cast_maker *m); /* accepts NULL */
 /* Returns the bytes of the bricks that were made. */
 double iso_cast_maker_bytes(const iso_cast_maker *m);
-
-#endif

@@ -4,8 +4,7 @@
  * The segments are those of the reference's midpoints and of the OpenGL ray caster: [k ds, (k + 1) ds] of each ray,
  * clipped to the box, one sample in the middle. Rays are neighbors, and all advance by a segment at once: if one meets
  * a visible sample, most do. Waiting for the others, each at its next visible sample, took longer. */
-#ifndef ISO_RENDER_CPU_CAST_PACKET_H
-#define ISO_RENDER_CPU_CAST_PACKET_H
+#pragma once
 
 #include "render/cpu/cast_field.h"
 
@@ -384,5 +383,3 @@ CAST void cast_packet(const iso_cast *c, size_t x, size_t y, float *rgba)
     }
     write_packet(c, &s, x, y, rgba);
 }
-
-#endif

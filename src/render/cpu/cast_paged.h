@@ -4,8 +4,7 @@
  * A ray's place follows from the number of its segment, without rounding (cast_field.h), so that waiting does not
  * change a ray's samples. Its sums are kept with their rounding errors: the picture has the same bits. Bricks hidden by
  * opaque ones are never requested. Included after cast_tile.h. */
-#ifndef ISO_RENDER_CPU_CAST_PAGED_H
-#define ISO_RENDER_CPU_CAST_PAGED_H
+#pragma once
 
 /* Bricks ahead of a waiting ray, which are loaded as well if pages are free. */
 enum { BRICKS_AHEAD = 3 };
@@ -153,5 +152,3 @@ size_t ISO_CAST_PAGED_TILE_OF(ISO_CAST_WIDTH)(const iso_cast *c, size_t x, size_
                                                  : count_waiting(rays, first);
     return waiting;
 }
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* cast_scene.h - the parts of an iso_cast that do not depend on where the voxels are; private to src/render/cpu. */
-#ifndef ISO_RENDER_CPU_CAST_SCENE_H
-#define ISO_RENDER_CPU_CAST_SCENE_H
+#pragma once
 
 #include "render/cpu/cast.h"
 #include "render/cpu/cast_bricks.h"
@@ -44,5 +43,3 @@ iso_cast_scalars iso_cast_scalars_of(const iso_level *level);
 double iso_cast_unit(const iso_cast_scalars *scalars);
 /* Returns the function of a width; NULL if this machine does not support it. */
 iso_cast_paged_tile *iso_cast_paged_tile_of(iso_cpu_width width);
-
-#endif

@@ -14,8 +14,7 @@
  * the exact place decides. So no visible sample is left out. Each stage's operations are those of cast_packet.h, lane
  * by lane, so that the bits are the same. Pixels that can show nothing are written at once; the others' rays are
  * limited to the range that can show something (render/screen_reach.h). */
-#ifndef ISO_RENDER_CPU_CAST_TILE_H
-#define ISO_RENDER_CPU_CAST_TILE_H
+#pragma once
 
 #include "render/cpu/cast_packet.h"
 #include "render/screen_reach.h"
@@ -376,5 +375,3 @@ void ISO_CAST_TILE_OF(ISO_CAST_WIDTH)(const iso_cast *c, size_t x, size_t y, flo
         for (size_t column = x; column < x + ISO_CAST_TILE && column < c->width; column += PACKET_COLUMNS)
             cast_packet(c, column, row, rgba);
 }
-
-#endif

@@ -2,8 +2,7 @@
 /* cast_vector.h - as many floats or integers as the packet has rays (ISO_CAST_WIDTH), and the operations that C
  * lacks for them. Every operation is that of IEEE 754 lane by lane, and none is fused, so that all widths give the
  * same bits. */
-#ifndef ISO_RENDER_CPU_CAST_VECTOR_H
-#define ISO_RENDER_CPU_CAST_VECTOR_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -338,5 +337,3 @@ CAST vf power_of(vf x, float y)
     const vf rest = power_less_one(t, &power);
     return select_float(tiny, all_float(0), power + power * rest);
 }
-
-#endif

@@ -6,8 +6,7 @@
  * length): the reference's midpoints. Rays are set up in double, samples stand in 32 bits of a voxel's part, all else
  * is float. The image depends neither on the number of threads nor on the instruction set, and leaving out empty space
  * changes no bit. */
-#ifndef ISO_RENDER_CPU_CASTER_H
-#define ISO_RENDER_CPU_CASTER_H
+#pragma once
 
 #include "image/image.h"
 #include "scene/field.h"
@@ -69,5 +68,3 @@ size_t iso_cpu_draw_repeatedly(const iso_cpu_scene *scene, iso_image *image, siz
 /* Prepares, draws and releases a scene. */
 iso_status iso_cpu_render(const iso_level *level, iso_code code, const iso_view *view, const iso_cpu_options *opt,
                           iso_image *image, iso_error *err);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * The shown bricks' nodes lie one after the other, each brick's at its own level: one number per brick holds their
  * start and their level. As in bricks_gl.h bricks with baked faces and bricks on their own run the same loop. */
-#ifndef ISO_RENDER_CPU_MIXED_H
-#define ISO_RENDER_CPU_MIXED_H
+#pragma once
 
 #include "brick/bricks.h"
 #include "render/cpu/caster.h"
@@ -30,5 +29,3 @@ iso_status iso_cpu_prepare_bricks(iso_cpu_scene **scene, const iso_brick_field *
 /* Prepares, draws and releases a scene. */
 iso_status iso_cpu_render_bricks(const iso_brick_field *field, const iso_view *view, const iso_cpu_brick_options *opt,
                                  iso_image *image, iso_error *err);
-
-#endif

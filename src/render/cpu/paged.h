@@ -9,8 +9,7 @@
  * then the bricks that rays wait for are loaded and, if pages are free, those ahead. Bricks that no ray reaches,
  * because the transfer function or an opaque part hides them, are never loaded. The picture is that of caster.h, bit
  * for bit, for any memory and number of threads. */
-#ifndef ISO_RENDER_CPU_PAGED_H
-#define ISO_RENDER_CPU_PAGED_H
+#pragma once
 
 #include "base/progress.h"
 #include "pyramid/level_pages.h"
@@ -35,5 +34,3 @@ typedef struct iso_paged_options {
 iso_status iso_cpu_render_paged(const iso_level *level, iso_code code, const iso_level_pages *pages,
                                 const iso_view *view, const iso_paged_options *opt, iso_image *image,
                                 iso_paged_stats *stats, const iso_progress *progress, iso_error *err);
-
-#endif

@@ -4,8 +4,7 @@
  * One cache texture for the scalar, one for the directions, more of them (pages) where GL allows none so large, one
  * layout texel a brick; the same loop, shading and quadrature as raycaster.h. Baked faces and bricks on their own run
  * the same shader: smoothness costs nothing there. */
-#ifndef ISO_GL_BRICKS_GL_H
-#define ISO_GL_BRICKS_GL_H
+#pragma once
 
 #include "brick/bricks.h"
 #include "render/gl/raycaster.h"
@@ -41,5 +40,3 @@ typedef struct iso_gl_brick_stats {
 iso_status iso_gl_render_bricks(iso_gl *gl, const iso_brick_field *field, const iso_view *view,
                                 const iso_gl_brick_options *opt, iso_image *image, iso_gl_brick_stats *stats,
                                 iso_error *err);
-
-#endif

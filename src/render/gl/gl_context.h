@@ -5,8 +5,7 @@
  * renderers, then the platform without a surface (Mesa's llvmpipe). Core profile, 4.3 or newer. Independent of volumes.
  *
  * Private to src/render and src/brick: commands see render/gl/raycaster.h. */
-#ifndef ISO_GL_CONTEXT_H
-#define ISO_GL_CONTEXT_H
+#pragma once
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
@@ -90,5 +89,3 @@ double iso_gl_texture_bytes(GLenum target, GLuint texture);
 
 /* Returns ISO_E_PROGRAM or ISO_E_MEMORY if GL has an error pending. what: the work done, for the message. */
 iso_status iso_gl_check(const char *what, iso_error *err);
-
-#endif

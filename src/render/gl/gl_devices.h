@@ -4,8 +4,7 @@
  * Without a choice: each device except software renderers, then the platform without a surface. A choice is a device's
  * number, a part of its OpenGL vendor or renderer name (ignoring case), or "surfaceless"; a choice has no fallback.
  * */
-#ifndef ISO_GL_DEVICES_H
-#define ISO_GL_DEVICES_H
+#pragma once
 
 #include "render/gl/gl_context.h"
 
@@ -15,5 +14,3 @@ iso_status iso_gl_find_libraries(iso_error *err);
 /* Makes gl->display and gl->context, current on this thread, and fills gl->info.device. choice: NULL or "": none.
  * ISO_E_MISSING lists the devices tried, with reasons. */
 iso_status iso_gl_open(iso_gl *gl, const char *choice, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* gl_directions.h - bytes and directions of a level's voxels as textures. Private to src/render. */
-#ifndef ISO_GL_DIRECTIONS_H
-#define ISO_GL_DIRECTIONS_H
+#pragma once
 
 #include "render/gl/gl_context.h"
 #include "scene/field.h"
@@ -30,5 +29,3 @@ iso_status iso_gl_upload_codes_with_scalar(const iso_gl *gl, const iso_level *le
 /* Uploads floats: the level's own, or decoded ones. With extinction_scale, alpha is log2 of the scale. */
 iso_status iso_gl_upload_vectors(const iso_gl *gl, const iso_level *level, iso_code code, iso_direction_source source,
                                  const uint8_t *extinction_scale, iso_gl_directions *d, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* gl_palette.h - a palette and its indices as textures. Private to src/render. */
-#ifndef ISO_GL_PALETTE_H
-#define ISO_GL_PALETTE_H
+#pragma once
 
 #include "render/gl/gl_context.h"
 
@@ -12,5 +11,3 @@ iso_status iso_gl_upload_indices(const iso_gl *gl, const iso_level *level, GLuin
  * lights, seen along the camera's axis (palette/palette.h: iso_palette_shade). */
 iso_status iso_gl_upload_palette(const iso_gl *gl, const iso_palette *palette, const iso_view *view, GLuint *texture,
                                  iso_error *err);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * raycast.glsl walks in its own coordinates p = scale * index + offset: texture
  * coordinates of one volume, or bricks. */
-#ifndef ISO_GL_UNIFORMS_H
-#define ISO_GL_UNIFORMS_H
+#pragma once
 
 #include "render/gl/gl_context.h"
 
@@ -27,5 +26,3 @@ void iso_gl_set_surface(GLuint program, const iso_surface *surface, iso_vec3 sam
                         double zero, double per_texel);
 /* Returns a transfer function for culling that shows the values from iso on. The caller owns the entries. */
 iso_tf_table iso_gl_surface_tf(const iso_surface *surface, double min, double max, float entries[12]);
-
-#endif

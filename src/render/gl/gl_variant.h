@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* gl_variant.h - the ray caster's variants: raycast.glsl compiled with the features of a view, by names that the
  * shaders share (shaders/variants.h). */
-#ifndef ISO_GL_VARIANT_H
-#define ISO_GL_VARIANT_H
+#pragma once
 
 #include "render/gl/gl_context.h"
 #include "render/gl/shaders/variants.h"
@@ -26,5 +25,3 @@ int iso_gl_output(const iso_surface *surface);
 
 /* Returns the variant's program. The context compiles it once and keeps it. */
 iso_status iso_gl_get_variant(iso_gl *gl, const iso_gl_variant *v, GLuint *program, iso_error *err);
-
-#endif

@@ -10,8 +10,7 @@
  * 8-bit textures are filtered in 8 bits, codes travel in 16 bits, and where all are,
  * the shader filters (ISO_GL_FINE_FILTER_BITS). On llvmpipe
  * codes and a scalar of at most 16 bits are one texture, and one fetch. */
-#ifndef ISO_GL_RAYCASTER_H
-#define ISO_GL_RAYCASTER_H
+#pragma once
 
 #include "image/image.h"
 #include "scene/field.h"
@@ -98,5 +97,3 @@ iso_gl_options iso_gl_defaults(void);
 /* Uploads a level and renders it. */
 iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, const iso_view *view,
                          const iso_gl_options *opt, iso_image *image, iso_error *err);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* placement.h - positions and scale of an array's samples, by the file's attributes. */
-#ifndef ISO_VOLUME_ARRAYS_PLACEMENT_H
-#define ISO_VOLUME_ARRAYS_PLACEMENT_H
+#pragma once
 
 #include "volume/arrays/store.h"
 
@@ -20,5 +19,3 @@ struct SliceScales {
 /* A scale that is the same everywhere goes into the header. */
 SliceScales take_scale(Store &store, const Array &array, size_t planes, size_t frame, const std::string &path,
                        iso_child_header &header);
-
-#endif

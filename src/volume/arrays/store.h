@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* store.h - files that hold several arrays with attributes: HDF5, netCDF, Zarr. */
-#ifndef ISO_VOLUME_ARRAYS_STORE_H
-#define ISO_VOLUME_ARRAYS_STORE_H
+#pragma once
 
 #include <string>
 #include <vector>
@@ -94,5 +93,3 @@ int world_axis_of(const std::string &name, const std::string &letter);
 std::unique_ptr<Store> open_hdf5(const std::string &path);
 std::unique_ptr<Store> open_netcdf(const std::string &path);
 std::unique_ptr<Store> open_zarr(const std::string &folder);
-
-#endif

@@ -2,8 +2,7 @@
 /* bmp.h - Windows bitmaps that are not packed: indices of 8 bits into a palette, or colors of 24 and 32 bits.
  *
  * A palette that is gray throughout gives gray values, not colors: such are the slices of micro-CT scanners. */
-#ifndef ISO_VOLUME_ITK_BMP_H
-#define ISO_VOLUME_ITK_BMP_H
+#pragma once
 
 #include <string>
 #include <vector>
@@ -22,5 +21,3 @@ struct Bitmap {
 Bitmap open_bitmap(const std::string &path);
 /* Reads all pixels, the first row first, one byte per component. */
 void read_bitmap(const Bitmap &b, char *out);
-
-#endif

@@ -6,8 +6,7 @@
  * shared ones, and both before the file's own elements. A missing element has no default: its spacing counts
  * as missing in the file. Values: RescaleSlope and RescaleIntercept, DoseGridScaling. GDCM parses elements and
  * decodes compressed samples; its own geometry and scale are not used. */
-#ifndef ISO_VOLUME_ITK_DICOM_H
-#define ISO_VOLUME_ITK_DICOM_H
+#pragma once
 
 #include "volume/itk/dicom_color.h"
 #include "volume/itk/stack.h"
@@ -74,5 +73,3 @@ iso_type type_of_values(const std::vector<DicomFile> &files);
 void values_of_frame(const DicomFile &file, size_t frame, const char *stored, iso_type type, char *out);
 /* Replaces the first slice by (1 - weight) of it and weight of the second; integers are rounded. */
 void blend(iso_type type, double weight, const char *second, size_t count, char *first);
-
-#endif

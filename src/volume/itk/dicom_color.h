@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* dicom_color.h - colors of DICOM (PS3.3 C.7.6.3.1.2): red, green and blue of what a file stores. */
-#ifndef ISO_VOLUME_ITK_DICOM_COLOR_H
-#define ISO_VOLUME_ITK_DICOM_COLOR_H
+#pragma once
 
 #include <cstdint>
 #include <string>
@@ -33,5 +32,3 @@ struct Coding {
  * [itu-bt709], as floats. */
 void color_channel(const Coding &coding, const Palette &palette, const char *coded, size_t pixels, size_t channel,
                    char *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* dicom_elements.h - elements of a DICOM data set, as texts and numbers. */
-#ifndef ISO_VOLUME_ITK_DICOM_ELEMENTS_H
-#define ISO_VOLUME_ITK_DICOM_ELEMENTS_H
+#pragma once
 
 #include <gdcmReader.h>
 #include <gdcmSequenceOfItems.h>
@@ -100,5 +99,3 @@ inline std::string binary_text(double value)
     snprintf(text, sizeof text, "%.17g", value);
     return std::isnan(value) ? "" : text;
 }
-
-#endif

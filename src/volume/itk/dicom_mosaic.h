@@ -2,8 +2,7 @@
 /* dicom_mosaic.h - Siemens mosaics: a picture whose tiles are the slices of a volume, row by row, in a square.
  *
  * The number of slices and their normal are private elements of Siemens. */
-#ifndef ISO_VOLUME_ITK_DICOM_MOSAIC_H
-#define ISO_VOLUME_ITK_DICOM_MOSAIC_H
+#pragma once
 
 #include "volume/itk/dicom_elements.h"
 
@@ -14,5 +13,3 @@ struct Mosaic {
 };
 
 Mosaic mosaic_of(const DataSet &all);
-
-#endif

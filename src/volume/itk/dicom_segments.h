@@ -3,8 +3,7 @@
  *
  * A voxel's label is the number of its segment. Segments that overlap, and those of fractional values, are channels
  * instead, named as the segments. Slices that the file leaves out are empty. */
-#ifndef ISO_VOLUME_ITK_DICOM_SEGMENTS_H
-#define ISO_VOLUME_ITK_DICOM_SEGMENTS_H
+#pragma once
 
 #include "volume/itk/dicom.h"
 
@@ -15,5 +14,3 @@ std::unique_ptr<PlaneReader> open_segments(const DicomFile &file, size_t channel
 
 /* Copies the names of its segments to the header of a label map. */
 void name_segments(const DicomFile &file, iso_child_header &header);
-
-#endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* dicom_series.h - the series of a folder of DICOM files: of one SeriesInstanceUID, size, direction and spacing. */
-#ifndef ISO_VOLUME_ITK_DICOM_SERIES_H
-#define ISO_VOLUME_ITK_DICOM_SERIES_H
+#pragma once
 
 #include "volume/itk/dicom.h"
 
@@ -18,5 +17,3 @@ bool comes_before(const std::string &a, const std::string &b);
  * such as a CD's, stands for all folders below. Without files if there is no image of DICOM. Throws Failure if there
  * are several, or if a file is damaged. */
 DicomSeries choose_series(const std::string &folder, const char *wanted);
-
-#endif

@@ -3,8 +3,7 @@
  *
  * The kind of most files is taken; other files, such as the log of a scanner, are left out. The names of slices differ
  * in one number, whose steps are even. Of colors one channel is given, or their luminance. */
-#ifndef ISO_VOLUME_ITK_PICTURES_H
-#define ISO_VOLUME_ITK_PICTURES_H
+#pragma once
 
 #include "volume/itk/slice.h"
 
@@ -12,5 +11,3 @@
 bool holds_pictures(const std::string &folder);
 /* Reads the headers. Throws Failure if slices differ, or if one is missing. */
 std::unique_ptr<PlaneReader> open_pictures(const std::string &folder, size_t channel);
-
-#endif

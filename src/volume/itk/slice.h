@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* slice.h - one picture, by that of ITK's readers that takes it. */
-#ifndef ISO_VOLUME_ITK_SLICE_H
-#define ISO_VOLUME_ITK_SLICE_H
+#pragma once
 
 #include <itkImageIOBase.h>
 
@@ -49,5 +48,3 @@ double bytes_to_parse(const std::string &path);
 
 /* Returns the text of an exception. */
 std::string cause_of(const std::exception &e);
-
-#endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* stack.h - DICOM's slices as a grid: in the order in which they stand, and apart by time where several stand at each
  * place. The slices are files of a series, or the frames of one file. */
-#ifndef ISO_VOLUME_ITK_STACK_H
-#define ISO_VOLUME_ITK_STACK_H
+#pragma once
 
 #include <string>
 #include <vector>
@@ -49,5 +48,3 @@ struct Stack {
  * oblique to the planes. */
 Stack stack_of(const std::vector<Plane> &planes, const Vector &u, const Vector &v, const Wanted &wanted,
                const std::string &shown);
-
-#endif
