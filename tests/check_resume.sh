@@ -23,13 +23,13 @@ other=$dir/other_program/isoshade
 
 # ---- build: killed in the middle, as by a crash ----
 tracing() { strace -f -qq -o /dev/null -e trace=/^rename true 2>/dev/null; }
-# killed NAME ARGUMENT...: leaves .NAME.iso.partial, as it is before its fourth progress note
+# killed NAME ARGUMENT...: leaves .NAME.iso.partial, as it is before its fourth progress note; the case fails if it does not
 killed() {
     local name=$1
     shift
     strace -f -qq -o /dev/null -e trace=/^rename -e inject=/^rename:signal=SIGKILL:when=4 \
         "$ISOSHADE" build "$@" -o "$name.iso" --memory 9 --save-every 0 -q >/dev/null
-    grep -qs '"planes"' ".$name.iso.partial/progress.json"
+    if grep -qs '"planes"' ".$name.iso.partial/progress.json"; then ok "${name}_is_killed"; else not_ok "${name}_is_killed" "build $*"; fi
 } 2>/dev/null
 # goes_on NAME ARGUMENT...: a copy of the killed build is resumed
 goes_on() {
@@ -51,7 +51,7 @@ anew() {
 if tracing; then
     for seed in 1 2; do "$ISOSHADE" make noise --size 40x48x200 --seed $seed -q -o n.nrrd && detach n.nrrd d$seed; done
     cp d1.raw v.raw && sed 's/d1.raw/v.raw/' d1.nhdr >v.nhdr
-    check a_build_is_killed killed v v.nhdr
+    killed v v.nhdr
     check it_goes_on goes_on v v.nhdr --threads 1 --save-every 7
     holds in_the_middle "$(plane) > 0"
     check to_the_same_result is_that_of_one_go v.nhdr
@@ -98,8 +98,8 @@ END
     notice a_key_without_the_file is_that_of_one_go v.nhdr
     # ---- input options, each after a build with another value ----
     raw="--raw-size 40x48x200 --raw-type uint16"
-    killed r v.raw $raw
-    check a_raw_file_goes_on goes_on r v.raw $raw
+    killed t v.raw $raw
+    check a_raw_file_goes_on goes_on t v.raw $raw
     holds in_its_middle "$(plane) > 0"
     truncate -s +8 v.raw
     killed r v.raw $raw
@@ -110,11 +110,11 @@ END
     anew with_another_raw_big_endian r v.raw $raw --raw-big-endian
     { sed '/^$/,$d' v.nhdr | sed -e 's/dimension: 3/dimension: 4/' -e 's/^sizes:.*/sizes: 2 40 48 200/' -e '/^space\|^kinds\|^centerings\|^spacings\|^data/d'; echo "kinds: vector space space space"; echo "data file: c.raw"; echo; } >c.nhdr
     cat d1.raw d2.raw >c.raw
-    killed c c.nhdr --channel 0
-    anew with_another_channel c c.nhdr --channel 1
+    killed c c.nhdr --spacing 1x1x1 --channel 0
+    anew with_another_channel c c.nhdr --spacing 1x1x1 --channel 1
     sed -e 's/^sizes:.*/sizes: 40 48 200 2/' -e 's/^kinds:.*/kinds: space space space time/' c.nhdr >f.nhdr
-    killed f f.nhdr --frame 0
-    anew with_another_frame f f.nhdr --frame 1
+    killed f f.nhdr --spacing 1x1x1 --frame 0
+    anew with_another_frame f f.nhdr --spacing 1x1x1 --frame 1
     # ---- slices: one of them is written again in its place ----
     split -b $((40 * 48 * 2)) -d -a 3 d1.raw s
     sed 's/^data file:.*/data file: s%03d 0 199 1 2/' d1.nhdr >s.nhdr
