@@ -76,8 +76,8 @@ for kind in tf levels; do
 done
 "$ISOSHADE" figure noise.nrrd --kind tf -q -o none >/dev/null 2>&1
 check a_figure_without_a_unit_has_none grep -q '>value<' none/figure.svg
-expect a_context_is_lost 0 daily lost patient.html
-all_true lost 4
+expect a_context_is_lost 0 daily lost patient.html noise.nrrd patient.nii
+all_true lost 8
 "$ISOSHADE" view patient.nii --compact -q -o compact.html || failed=1
 expect a_page_in_a_frame_is_used 0 daily framed compact.html outer.html
 all_true framed 5

@@ -8,7 +8,7 @@ view_daily.py framed PAGE OUTER.html   the page in a frame that forbids to save,
 view_daily.py opened PAGE STEPS OVER   a file of time steps, and another file over its slices
 view_daily.py picked PAGE              lengths and points in the picture, of a constant that is 10 mm wide
 view_daily.py unit PAGE FILE UNIT      the unit of values, of the page and of a file that is opened
-view_daily.py lost PAGE                the context is lost and comes again"""
+view_daily.py lost PAGE FILE OTHER     the context is lost and comes again"""
 import base64
 import html
 import json
@@ -182,8 +182,8 @@ def labels(path):
         say("labels", "; ".join(found))
 
 
-def lost(path):
-    picture = "[...isoshade.frames.measure(60, 40).rgba]"
+def lost(path, file, other):
+    picture = "isoshade.frames.settled().then(() => [...isoshade.frames.measure(60, 40).rgba])"
     with Chromium(size=(600, 400)) as page:
         load(page, path)
         before = page.evaluate(picture)
@@ -198,6 +198,28 @@ def lost(path):
         page.key("ArrowLeft")
         page.evaluate("isoshade.frames.settled()")
         say("and_is_used", page.evaluate(picture) != before)
+
+        # The graphics process ends, which takes the context with it.
+        before = page.evaluate(picture)
+        page.evaluate("window.count = 0; isoshade.context.gl.canvas.addEventListener('webglcontextrestored', () => ++count)")
+        page.browser("Browser.crashGpuProcess")
+        page.wait("count > 0")
+        say("a_crash_is_survived", page.evaluate(picture) == before)
+
+        # While a file is opened: in its upload, then while its first picture is drawn.
+        choose(page, "#open", file)
+        whole = page.evaluate(picture)
+        for waits in (1, 2):
+            choose(page, "#open", other)
+            page.evaluate(f"""count = 0; window.waits = {waits}; window.finished = isoshade.context.finished;
+                isoshade.context.finished = () => {{
+                    if (--waits === 0) {{ losing.loseContext(); setTimeout(() => losing.restoreContext(), 300); }}
+                    return finished();
+                }}; window.losing = isoshade.context.gl.getExtension('WEBGL_lose_context')""")
+            choose(page, "#open", file)
+            page.evaluate("isoshade.context.finished = finished")
+            say(f"a_file_comes_through_a_loss_after_{waits}", page.evaluate("count") == 1 and page.evaluate(picture) == whole)
+        say("it_has_not_failed", not page.evaluate("document.documentElement.dataset.failed || ''"))
         say("no_exception", not any(e["method"] == "Runtime.exceptionThrown" for e in page.events))
 
 

@@ -25,9 +25,9 @@ import view_files  # noqa: E402
 
 READY = "document.documentElement.dataset.ready === 'yes' || document.documentElement.dataset.failed"
 # The bytes of a picture as text: a list of numbers would be ten times as long.
-TAKE = """(() => { const {rgba, ms} = isoshade.frames.measure(%d, %d, 'a', %d), bytes = new Uint8Array(rgba.buffer);
+TAKE = """isoshade.frames.settled().then(() => { const {rgba, ms} = isoshade.frames.measure(%d, %d, 'a', %d), bytes = new Uint8Array(rgba.buffer);
     let text = ''; for (let i = 0; i < bytes.length; i += 4096) text += String.fromCharCode(...bytes.subarray(i, i + 4096));
-    return [btoa(text), ms]; })()"""
+    return [btoa(text), ms]; })"""
 
 
 def say(name, value):

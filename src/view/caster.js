@@ -121,9 +121,11 @@ const makeCaster = (context, data) => {
     const compiled = q => context.compiled(...programOf(q, scalarOf(q.level), skips(q)));
     // Uploads a level's textures before they are needed, in steps. The level is not shown yet.
     const prepare = async (level, numbers, codeName) => {
+        const {begun} = context, code = level.codes.find(c => c.name === codeName);
         level.scalarTexture = await slowSteps(uploadScalar(context, {...level, numbers}), context);
-        const code = level.codes.find(c => c.name === codeName);
         if (code) code.texture = await slowSteps(uploadCodes(context, level, code), context);
+        // Textures of a context that was lost meanwhile are made when they are drawn.
+        if (begun !== context.begun || gl.isContextLost()) level.scalarTexture = (code ?? {}).texture = undefined;
     };
 
     // Draws rows [from, to) of the target. With q.height the target holds only a part of a picture of this height, from

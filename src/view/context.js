@@ -6,10 +6,11 @@ const makeContext = async canvas => {
     const gl = canvas.getContext('webgl2', {alpha: false, antialias: false, depth: false, powerPreference: 'high-performance'});
     if (!gl) return null;
     const sources = JSON.parse(document.getElementById('shaders').textContent), programs = new Map();
-    const context = {gl};
+    const context = {gl, begun: 0}; // how often its objects were made
     let parallel = null; // compiles beside the page
     // At first, and after the context was lost.
     context.begin = () => {
+        ++context.begun;
         context.floatTarget = Boolean(gl.getExtension('EXT_color_buffer_float'));
         context.floatFilter = Boolean(gl.getExtension('OES_texture_float_linear'));
         if (!context.floatTarget) gl.getExtension('EXT_color_buffer_half_float');
@@ -104,7 +105,8 @@ const makeContext = async canvas => {
             if (gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE)
                 return {texture, frame, width, height, type, free: () => { gl.deleteTexture(texture); gl.deleteFramebuffer(frame); }};
         }
-        throw new Error(`no target of ${width} x ${height} pixels`);
+        throw new Error(gl.isContextLost() ? 'the graphics card stopped this page; try again when the picture is back'
+            : `no target of ${width} x ${height} pixels`);
     };
     context.read = (target, x = 0, y = 0, width = target.width, height = target.height) => {
         const bytes = target.type === gl.UNSIGNED_BYTE, out = new (bytes ? Uint8Array : Float32Array)(4 * width * height);

@@ -93,10 +93,11 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
     const ask = (moves = false) => {
         ++asked;
         moving = moves;
-        if (!running) run().catch(problem => { running = false; told(problem); });
+        if (!running) run().catch(problem => { running = false; if (!gl.isContextLost()) told(problem); });
     };
     const reshow = () => { if (shown.a && (state.compare === 'none') === !shown.b) show(shown.a, shown.b); else ask(); };
-    const settled = async () => { while (running) await new Promise(done => setTimeout(done, 20)); };
+    // Resolves when the picture is drawn; while the context is lost, that is after it was made again.
+    const settled = async () => { while (running || gl.isContextLost()) await new Promise(done => setTimeout(done, 20)); };
 
     // A picture for tests and `validate --with webgl`: linear, in floats, row 0 at the top; and its time.
     const measure = (width, height, side = 'a', repeats = 1) => {
@@ -127,7 +128,7 @@ const makeFrames = (context, caster, data, state, canvas, told) => {
             take(topFirst(context.read(out), width, rows), from, rows);
             for (const target of [...targets, out]) target.free();
             from += rows;
-            if (asked !== before) throw new Error('the picture changed while it was saved; save it again');
+            if (asked !== before || gl.isContextLost()) throw new Error('the picture changed while it was saved; save it again');
         }
     };
     // After the context was lost: its pictures are gone.

@@ -94,6 +94,14 @@ class Chromium:
             if "method" in answer:
                 self.events.append(answer)
 
+    def browser(self, method):
+        """A command for the browser instead of the page."""
+        session = self.__dict__.pop("session")
+        try:
+            return self.call(method)
+        finally:
+            self.session = session
+
     def evaluate(self, expression):
         """The value of an expression, awaited where it is a promise."""
         result = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
