@@ -311,24 +311,22 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_lev
     TRY(status, iso_blender_check_path(blend_path, err));
     if (status != ISO_OK)
         return status;
-    char *folder = iso_make_temp_dir();
+    iso_blender_started blender;
     iso_output *outs = calloc(2 * count + 1, sizeof *outs);
     iso_pyramid scaled = {0};
     const iso_blender_space space = iso_blender_space_of(&p->levels[0].geometry);
-    if (!folder || !outs)
-        status = iso_temp_dir_fail(err);
+    status = outs ? iso_blender_begin(opt, &blender, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
     TRY(status, iso_blender_pyramid_in_space(p, &space, &scaled, err));
-    const export_job job = {p, &scaled, &space, first, count, levels->views, blend_path, opt};
+    const export_job job = {p, &scaled, &space, first, count, levels->views, blend_path, &blender.options};
     size_t files = 0;
-    TRY(status, write_files(&job, folder, outs, &files, progress, err));
+    TRY(status, write_files(&job, blender.folder, outs, &files, progress, err));
     TRY(status, iso_output_commit_all(outs, files + 1, err));
     for (size_t i = 0; outs && i <= files; ++i)
         iso_output_abandon(&outs[i]);
-    if (folder)
-        iso_remove_tree(folder);
+    if (outs)
+        iso_blender_end(&blender);
     free(scaled.levels);
     free(outs);
-    free(folder);
     return status;
 }
 

@@ -122,15 +122,14 @@ iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view 
 {
     NEED(check_plan(plan, view, opt, err));
     NEED(iso_blender_check_path(blend_path, err));
-    char *folder = iso_make_temp_dir();
+    iso_blender_started blender;
     iso_output outs[2] = {0};
-    const plan_job job = {plan, view, blend_path, true, opt};
-    iso_status status = folder ? write_plan(&job, folder, outs, progress, err) : iso_temp_dir_fail(err);
+    iso_status status = iso_blender_begin(opt, &blender, err);
+    const plan_job job = {plan, view, blend_path, true, &blender.options};
+    TRY(status, write_plan(&job, blender.folder, outs, progress, err));
     TRY(status, iso_output_commit_all(outs, 2, err));
     for (size_t i = 0; i < 2; ++i)
         iso_output_abandon(&outs[i]);
-    if (folder)
-        iso_remove_tree(folder);
-    free(folder);
+    iso_blender_end(&blender);
     return status;
 }

@@ -93,6 +93,16 @@ char *iso_blender_folder(const iso_blender_options *opt);
  * Takes `about`. */
 iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_options *opt,
                            const iso_progress *progress, iso_error *err);
+/* Starts a Blender for an export: it calibrates itself while the grids are written. iso_blender_end() ends it, also after
+ * an error, and removes the folder, to which Blender may write. */
+typedef struct iso_blender_started {
+    iso_blender_options options; /* with the session */
+    iso_blender_session *session;
+    char *folder;
+} iso_blender_started;
+iso_status iso_blender_begin(const iso_blender_options *opt, iso_blender_started *e, iso_error *err);
+void iso_blender_end(iso_blender_started *e);
+
 /* Returns the seed for Cycles. Cycles ignores the last bit (seeds 2 and 3 have the same noise), so consecutive seeds
  * are spread over all bits by Knuth's multiplicative hash; 0 stays 0. */
 int iso_blender_seed(int seed);

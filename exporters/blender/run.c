@@ -97,8 +97,9 @@ static void take_line(void *user, const char *line)
 /* Joins all scripts into one: the last one, which runs, uses the definitions of the others. */
 static iso_status write_script(const char *path, iso_error *err)
 {
-    const char *const parts[] = {iso_blender_scene_nodes_py,   iso_blender_scene_device_py,  iso_blender_scene_transfer_py,
-                                 iso_blender_scene_objects_py, iso_blender_scene_handles_py, iso_blender_scene_window_py,
+    const char *const parts[] = {iso_blender_scene_nodes_py,    iso_blender_scene_device_py,
+                                 iso_blender_scene_transfer_py, iso_blender_scene_objects_py,
+                                 iso_blender_scene_handles_py,  iso_blender_scene_window_py,
                                  iso_blender_scene_physical_py, iso_blender_build_scene_py};
     char *text = NULL;
     size_t size = 0;
@@ -116,6 +117,7 @@ static iso_status write_script(const char *path, iso_error *err)
 
 struct iso_blender_session {
     iso_process *process; /* NULL: not started */
+    bool calibrates;      /* without a scene; nobody has listened yet */
     char *blender;        /* path of the program */
     int threads;
     char *folder;  /* parent of all scenes' folders, as the program may write only there; NULL: for a single scene */
@@ -161,7 +163,8 @@ char *iso_blender_folder(const iso_blender_options *opt)
 
 /* Inputs of a run of Blender. */
 typedef struct blender_run {
-    const char *blender, *folder, *script, *description, *calibration;
+    char *blender, *script, *description, *calibration;
+    const char *folder;
     int threads;
 } blender_run;
 
@@ -170,16 +173,15 @@ static iso_sandbox_kind sandbox_kind(void)
 {
     const char *device = NULL;
     return iso_cycles_device(&device, NULL) == ISO_OK && strcmp(device, "cpu") == 0 ? ISO_SANDBOX_CLOSED
-                                                                                   : ISO_SANDBOX_DEVICE;
+                                                                                    : ISO_SANDBOX_DEVICE;
 }
 
 static iso_status start(const blender_run *run, iso_blender_session *s, iso_error *err)
 {
     char threads[16];
     snprintf(threads, sizeof threads, "%d", run->threads);
-    const char *argv[] = {
-        run->blender, "-b",        "--factory-startup", "-noaudio",       "--python-exit-code", "9", "-t", threads, "-P",
-        run->script,  "--",        run->description,    NULL};
+    const char *argv[] = {run->blender, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "9", "-t",
+                          threads,      "-P", run->script,         "--",       run->description,     NULL};
     iso_status status = write_script(run->script, err);
     TRY(status, save_calibration_volume(run->calibration, err));
     /* Debian's Blender uses the first Python in PATH and that of PYTHONHOME as its own, and loads modules of PYTHONPATH
@@ -207,58 +209,107 @@ static iso_status send_description(const blender_run *run, iso_blender_session *
     return start(run, s, err);
 }
 
+/* Listens until the session's Blender has finished its description. A Blender that fails is ended. */
+static iso_status listen_to(iso_blender_session *s, const iso_blender_options *opt, const iso_progress *progress,
+                            iso_error *err)
+{
+    listener l = {.progress = progress, .stats = opt->stats};
+    const iso_process_options options = {.line = take_line, .user = &l};
+    bool ended = true;
+    iso_status status = iso_process_listen(s->process, "isoshade: finished", &options, &ended, err);
+    if (status != ISO_OK && l.lack[0])
+        status = iso_fail(err, ISO_E_MISSING, "%s", l.lack);
+    else if (status != ISO_OK && l.refusal[0])
+        status = iso_fail(err, ISO_E_UNTRUSTED, "%s: calibration failed: %s", s->blender, l.refusal);
+    else if (status != ISO_OK && l.failure[0])
+        status = iso_fail(err, ISO_E_PROGRAM, "%s: %s", s->blender, l.failure);
+    if (ended)
+        stop(s);
+    return status;
+}
+
 static iso_status run_blender(const blender_run *run, const iso_blender_options *opt, const iso_progress *progress,
                               iso_error *err)
 {
     iso_blender_session own = {0}, *s = opt->session && *opt->session ? *opt->session : &own;
-    listener l = {.progress = progress, .stats = opt->stats};
-    const iso_process_options options = {.line = take_line, .user = &l};
-    bool ended = true;
-    iso_status status = send_description(run, s, err);
-    if (status != ISO_OK) {
-        stop(s);
-        return status;
-    }
-    status = iso_process_listen(s->process, "isoshade: finished", &options, &ended, err);
-    if (status != ISO_OK && l.lack[0])
-        status = iso_fail(err, ISO_E_MISSING, "%s", l.lack);
-    else if (status != ISO_OK && l.refusal[0])
-        status = iso_fail(err, ISO_E_UNTRUSTED, "%s: calibration failed: %s", run->blender, l.refusal);
-    else if (status != ISO_OK && l.failure[0])
-        status = iso_fail(err, ISO_E_PROGRAM, "%s: %s", run->blender, l.failure);
-    if (ended || s == &own)
+    iso_status status = s->calibrates ? listen_to(s, opt, NULL, err) : ISO_OK;
+    s->calibrates = false;
+    TRY(status, send_description(run, s, err));
+    TRY(status, listen_to(s, opt, progress, err));
+    if (status != ISO_OK || s == &own)
         stop(s);
     return status;
+}
+
+/* Writes the description; the caller frees the run. */
+static iso_status prepare(json_t *about, const char *folder, const iso_blender_options *opt, blender_run *run,
+                          iso_error *err)
+{
+    const char *device = NULL;
+    *run = (blender_run){.folder = folder,
+                         .script = iso_path_join(folder, "build_scene.py"),
+                         .description = iso_path_join(folder, "description.json"),
+                         .calibration = iso_path_join(folder, "calibration.vdb"),
+                         .threads = iso_threads(opt->threads)};
+    NEED(iso_cycles_device(&device, err));
+    NEED(iso_blender_find(opt->program, &run->blender, err));
+    json_object_set_new(about, "device", json_string(device ? device : ""));
+    json_object_set_new(about, "calibration",
+                        json_pack("{ss ss si}", "vdb", run->calibration, "folder", folder, "size", CALIBRATION_SIZE));
+    return iso_json_save(run->description, about, err);
+}
+
+static void free_run(blender_run *run)
+{
+    free(run->calibration);
+    free(run->description);
+    free(run->script);
+    free(run->blender);
 }
 
 iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_options *opt,
                            const iso_progress *progress, iso_error *err)
 {
-    char *blender = NULL;
-    char *script = iso_path_join(folder, "build_scene.py");
-    char *description = iso_path_join(folder, "description.json");
-    char *calibration = iso_path_join(folder, "calibration.vdb");
-    json_object_set_new(about, "calibration",
-                        json_pack("{ss ss si}", "vdb", calibration, "folder", folder, "size", CALIBRATION_SIZE));
-    const char *device = NULL;
-    iso_status status = iso_cycles_device(&device, err);
-    TRY(status, iso_blender_find(opt->program, &blender, err));
-    json_object_set_new(about, "device", json_string(device ? device : ""));
-    TRY(status, iso_json_save(description, about, err));
-    if (status == ISO_OK) {
-        const blender_run run = {blender, folder, script, description, calibration, iso_threads(opt->threads)};
-        status = run_blender(&run, opt, progress, err);
-    }
+    blender_run run;
+    iso_status status = prepare(about, folder, opt, &run, err);
+    TRY(status, run_blender(&run, opt, progress, err));
     /* Blender ignores data after the end of a .blend. */
     const char *saved = json_string_value(json_object_get(about, "save"));
     if (status == ISO_OK && saved)
         status = iso_stamp_append(saved, "", err);
     json_decref(about);
-    free(calibration);
-    free(description);
-    free(script);
-    free(blender);
+    free_run(&run);
     return status;
+}
+
+/* Starts the session's Blender, which calibrates itself. */
+static iso_status begin_calibration(const char *folder, const iso_blender_options *opt, iso_error *err)
+{
+    blender_run run;
+    json_t *about = json_pack("{sb}", "probe", true);
+    iso_status status = prepare(about, folder, opt, &run, err);
+    TRY(status, start(&run, *opt->session, err));
+    (*opt->session)->calibrates = status == ISO_OK;
+    json_decref(about);
+    free_run(&run);
+    return status;
+}
+
+iso_status iso_blender_begin(const iso_blender_options *opt, iso_blender_started *e, iso_error *err)
+{
+    *e = (iso_blender_started){.options = *opt};
+    e->options.session = &e->session;
+    char *own = iso_blender_folder(&e->options);
+    e->folder = own ? iso_blender_folder(&e->options) : NULL;
+    const iso_status status = e->folder ? begin_calibration(own, &e->options, err) : iso_temp_dir_fail(err);
+    free(own);
+    return status;
+}
+
+void iso_blender_end(iso_blender_started *e)
+{
+    iso_blender_session_end(e->session);
+    free(e->folder);
 }
 
 int iso_blender_seed(int seed)

@@ -224,55 +224,48 @@ static iso_status write_blend(several_job *job, iso_error *err)
                             err);
 }
 
-static iso_status export_all(several_job *job, iso_error *err)
+/* job: what is exported. */
+static iso_status export_all(several_job job, const char *blend_path, const iso_blender_options *opt,
+                             const iso_progress *progress, iso_error *err)
 {
-    char *folder = iso_make_temp_dir();
-    job->folder = folder;
-    job->outs = calloc(file_count(job) + 1, sizeof *job->outs);
-    job->more = json_array();
-    iso_status status = folder && job->outs ? ISO_OK : iso_temp_dir_fail(err);
-    for (size_t i = 0; i < job->count && status == ISO_OK; ++i)
-        status = job->series ? write_frame(job, i, err) : write_volume(job, i, err);
-    TRY(status, write_blend(job, err));
-    TRY(status, iso_output_commit_all(job->outs, file_count(job) + 1, err));
-    for (size_t i = 0; job->outs && i <= file_count(job); ++i)
-        iso_output_abandon(&job->outs[i]);
-    json_decref(job->about);
-    json_decref(job->more);
-    if (folder)
-        iso_remove_tree(folder);
-    free(job->outs);
-    free(folder);
+    iso_blender_started blender;
+    job.blend_path = blend_path;
+    job.progress = progress;
+    NEED(iso_blender_check_path(blend_path, err));
+    if (job.series)
+        NEED(guard_frames(&job, err));
+    job.outs = calloc(file_count(&job) + 1, sizeof *job.outs);
+    if (!job.outs)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", blend_path);
+    job.more = json_array();
+    iso_status status = iso_blender_begin(opt, &blender, err);
+    job.opt = blender.options;
+    job.folder = blender.folder;
+    for (size_t i = 0; i < job.count && status == ISO_OK; ++i)
+        status = job.series ? write_frame(&job, i, err) : write_volume(&job, i, err);
+    TRY(status, write_blend(&job, err));
+    TRY(status, iso_output_commit_all(job.outs, file_count(&job) + 1, err));
+    for (size_t i = 0; i <= file_count(&job); ++i)
+        iso_output_abandon(&job.outs[i]);
+    json_decref(job.about);
+    json_decref(job.more);
+    iso_blender_end(&blender);
+    free(job.outs);
     return status;
 }
 
 iso_status iso_blender_export_sequence(const iso_blender_sequence *s, const char *blend_path,
                                        const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
-    several_job job = {.series = s,
-                       .level = s->level,
-                       .level_count = s->level_count,
-                       .count = s->count,
-                       .force = s->force,
-                       .blend_path = blend_path,
-                       .opt = *opt,
-                       .progress = progress};
-    NEED(iso_blender_check_path(blend_path, err));
-    NEED(guard_frames(&job, err));
-    return export_all(&job, err);
+    const several_job job = {
+        .series = s, .level = s->level, .level_count = s->level_count, .count = s->count, .force = s->force};
+    return export_all(job, blend_path, opt, progress, err);
 }
 
 iso_status iso_blender_export_several(const iso_blender_several *s, const char *blend_path,
                                       const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
-    several_job job = {.volumes = s,
-                       .level = s->level,
-                       .level_count = s->level_count,
-                       .count = s->count,
-                       .force = s->force,
-                       .blend_path = blend_path,
-                       .opt = *opt,
-                       .progress = progress};
-    NEED(iso_blender_check_path(blend_path, err));
-    return export_all(&job, err);
+    const several_job job = {
+        .volumes = s, .level = s->level, .level_count = s->level_count, .count = s->count, .force = s->force};
+    return export_all(job, blend_path, opt, progress, err);
 }
