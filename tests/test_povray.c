@@ -11,6 +11,8 @@
 #include "povray/povray.h"
 #include "render/reference.h"
 #include "povray_scenes.h"
+#include "pyramid/narrow.h"
+#include "scene/level_view.h"
 #include "test.h"
 
 static void check_lock_step(comparison c)
@@ -145,6 +147,58 @@ TEST(lock_step_agrees_at_a_level_that_overhangs_and_rejects_planted_faults)
 TEST(converged_agrees_and_rejects_planted_faults)
 {
     check_faults(converged, true, converged_rmse);
+}
+
+/* Replaces the pyramid by one whose voxels have no data in a corner and in every seventh plane. */
+static void remove_data(comparison *c)
+{
+    const iso_level *l = &c->pyramid.levels[0];
+    const size_t *n = l->geometry.size;
+    OWNED(iso_volume) v;
+    assert_ok(iso_volume_create(&v, &l->geometry, ISO_F32, "field", &err));
+    v.geometry.has_no_data = true;
+    for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i) {
+        const size_t x = i % n[0], y = i / n[0] % n[1];
+        ((float *)v.data)[i] = (x > 25 && y < 30) || y % 7 == 3 ? ISO_NO_DATA : l->scalar[i];
+    }
+    iso_pyramid_options opt = iso_pyramid_defaults();
+    opt.level_count = 2;
+    opt.code = ISO_CODE_SNORM;
+    release(&c->pyramid);
+    assert_ok(iso_pyramid_build(&v, "field", &opt, &c->pyramid, NULL, &err));
+}
+
+/* The planted fault: values in 1/17 of the cells next to voxels without data, as the stand-in of other files gives. */
+static void plant_values_without_data(iso_level *l)
+{
+    for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i)
+        if (iso_is_no_data(l->scalar[i]))
+            l->scalar[i] = iso_level_stand_in(l, ISO_STAND_IN_FILE);
+}
+
+TEST(lock_step_agrees_without_data_in_some_voxels)
+{
+    for (size_t level = 0; level < 2; ++level) {
+        comparison c = lock_step(level, false, 256);
+        double rmse;
+        bool found;
+        remove_data(&c);
+        assert_ok(iso_view_take_level(&c.view, &c.pyramid, level, &found, &err));
+        assert_true(!found && !c.view.extinction_scale == (level == 0));
+        assert_at_most(compare(&c, &rmse), lock_step_max); /* no sample is in the 1/16385 of a cell */
+        iso_povray_options surface = c.options;
+        iso_image none;
+        surface.isosurface = true;
+        surface.iso = 30000;
+        assert_status(iso_povray_render(&c.pyramid, level, &c.view, &surface, &none, NULL, &err), ISO_E_USAGE);
+        plant_values_without_data(&c.pyramid.levels[level]);
+        assert_more_than(compare(&c, &rmse), 50 * lock_step_max);
+        iso_pyramid_destroy(&c.pyramid);
+        c.pyramid = (iso_pyramid){0};
+        iso_view_destroy(&c.view);
+        c.view.tf.entries = NULL;
+        end_comparison(&c);
+    }
 }
 
 TEST(halving_the_intervals_quarters_the_error_and_the_limit_lies_within_its_bars)

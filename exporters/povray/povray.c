@@ -43,8 +43,13 @@ iso_status iso_povray_check(const iso_pyramid *p, size_t level, const iso_view *
         return iso_fail(err, ISO_E_RANGE, "povray: the isosurface's value is %g, must be finite", opt->iso);
     if (opt->isosurface && view->roi)
         return iso_fail(err, ISO_E_USAGE, "povray: an isosurface cannot have a region of interest");
+    if (opt->isosurface && p->levels[level].geometry.has_no_data)
+        return iso_fail(err, ISO_E_USAGE,
+                        "povray: some voxels have no data, whose edge would be a surface; --with "
+                        "reference draws the isosurface");
     if (p->levels[level].labels && (opt->isosurface || view->roi || view->tf_2d))
-        return iso_fail(err, ISO_E_USAGE, "povray: a label map has no surface, region of interest or 2D transfer function");
+        return iso_fail(err, ISO_E_USAGE,
+                        "povray: a label map has no surface, region of interest or 2D transfer function");
     if (opt->float_directions && !p->levels[level].directions)
         return iso_fail(err, ISO_E_RANGE, "povray: level %zu has no float directions; build the pyramid with them",
                         level);

@@ -46,6 +46,10 @@ static bool quantum_coding(const iso_level *level, double quantum, iso_df3_codin
     return quantum > 0 && level->max <= coding->hi;
 }
 
+/* Ranges between the values and the sample of voxels without data, where interpolated values leave the range within
+ * 1/16385 of a cell. 32 bits still have 2^18 samples for the range. */
+enum { stand_in_ranges = 1 << 14 };
+
 /* Uses whole samples if the type has them. */
 static iso_df3_coding scalar_coding(const iso_level *level, double quantum, unsigned bits)
 {
@@ -53,8 +57,7 @@ static iso_df3_coding scalar_coding(const iso_level *level, double quantum, unsi
     if (level->labels)
         return label_coding(level);
     if (level->geometry.has_no_data)
-        return (iso_df3_coding){bits > 16 ? bits : 16, (double)iso_level_stand_in(level, ISO_STAND_IN_FILE),
-                                level->max};
+        return (iso_df3_coding){32, (double)iso_level_stand_in(level, stand_in_ranges), level->max};
     switch (level->stored_type) {
     case ISO_U8: return (iso_df3_coding){8, 0, 255};
     case ISO_I8: return (iso_df3_coding){8, -128, 127};
@@ -116,10 +119,11 @@ typedef struct layer_reader {
     iso_lattice_samples lattice; /* samples of the level */
 } layer_reader;
 
+/* ISO_NO_DATA lies below the coding's range: its sample is 0. */
 static void read_scalars(const void *user, size_t first, size_t count, float *out)
 {
     const layer_reader *r = user;
-    iso_level_file_scalars(r->level, r->volume, first, count, out);
+    iso_level_scalars(r->level, r->volume, first, count, out);
 }
 
 static void read_codes(const void *user, size_t first, size_t count, float *out)
