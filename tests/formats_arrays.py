@@ -108,12 +108,15 @@ def hdf5():
     with h5py.File("two.h5", "w") as file:
         file["plain"], file["other"], file["wide"] = values, values + 1, values.astype(np.int64)
         file.create_dataset("lzf", data=values, compression="lzf")
-        file["list"], file["frames"] = np.arange(9), np.stack([values, values])
-    refused("two.h5", 2, "holds 5 datasets of three axes or more, FILE:DATASET must name one of: frames (11 x 13 x 7 x 2), ")
+        file["list"], file["frames"] = np.arange(9), np.stack([values, values + 1])
+        file["parts"], file["five"] = np.stack([values, values + 1], -1), np.zeros((2, 3, 4, 5, 6))
+    refused("two.h5", 2, "holds 7 datasets of three axes or more, FILE:DATASET must name one of: five (6 x 5 x 4 x 3 x 2), ")
     refused("two.h5:plain", 4, "does not state the spacing of its voxels; set --spacing SXxSYxSZ")
     same("two.h5:/other", values + 1, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
     same("two.h5:wide", values.astype(np.float32), np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
-    refused("two.h5:frames", 4, "11 x 13 x 7 x 2 samples along 4 axes without names: names for a volume's three axes are missing")
+    for name, option in ("frames", "--frame"), ("parts", "--channel"):  # axes without names, as in NumPy
+        same(f"two.h5:{name}", values + 1, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5", option, "1"])
+    refused("two.h5:five", 4, "6 x 5 x 4 x 3 x 2 samples along 5 axes without names: names for a volume's three axes are missing")
     refused("two.h5:lzf", 4, "packed by filter 32000 (lzf), which HDF5 has no plugin for")
     with h5py.File("sparse.h5", "w") as file:  # chunks beside each other unpack to more than the file's size allows
         data = file.create_dataset("v", shape=(64, 2048, 1024), dtype=np.uint16, chunks=(64, 64, 64), compression="gzip")

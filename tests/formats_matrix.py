@@ -509,6 +509,16 @@ def matrix_npy():
     check("a.npy", values_of("i2") + 1, None, [*SAY, "--frame", "1"], "time")
     must_choose("a.npy", "has 2 frames", SAY)
     refused("a.npy", 4, "does not state the spacing of its voxels", ["--frame", "1"])
+    for count, layout in itertools.product((3, 4), "CF"):
+        planes = [values_of("u1") + channel for channel in range(count)]
+        np.save("a.npy", np.stack(planes, -1) if layout == "C" else np.asfortranarray(np.stack([v.T for v in planes], -1)))
+        check("a.npy", planes[2], None, [*SAY, "--channel", "blue"], f"{count} colors {layout}")
+        must_choose("a.npy", f"has {count} channels", SAY)
+    np.save("a.npy", np.stack([np.stack([values_of("f4") + channel + 10 * frame for channel in range(3)], -1)
+                               for frame in range(2)]))
+    check("a.npy", values_of("f4") + 12, None, [*SAY, "--frame", "1", "--channel", "2"], "frames of channels")
+    np.save("a.npy", np.zeros((2, 3, 4, 5, 6), "u1"))
+    refused("a.npy", 4, "5 axes with 6 samples along the fastest, at most 4 can be channels", SAY)
     for values, why in ((values_of("i2")[0], "a volume has 3 axes"), (values_of("f4").astype("c8"), "its type is '<c8'")):
         np.save("a.npy", values)
         refused("a.npy", 4, why, SAY)

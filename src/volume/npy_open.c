@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* npy_open.c - arrays that numpy.save() wrote: a Python dictionary of type, order and shape, then the samples [NEP 1].
  *
- * Axes: (z, y, x) in C order, (x, y, z) in Fortran order, so that x runs fastest; a slowest fourth axis is time. The
- * format has no spacing: --spacing gives it. An .npz is a zip archive of arrays, FILE:NAME; one is unpacked. */
+ * Axes: (z, y, x) in C order, (x, y, z) in Fortran order, so that x runs fastest. Of four axes the fastest has channels
+ * if it has at most four samples, as in NRRD, or else the slowest time; of five both. Three or four bytes are colors.
+ * The format has no spacing: --spacing gives it. An .npz is a zip archive of arrays, FILE:NAME; one is unpacked. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <stdlib.h>
@@ -12,12 +13,12 @@
 #include "volume/npy.h"
 #include "volume/stream_kernel.h"
 
-enum { MAGIC_BYTES = 6, START_BYTES = 12, MOST_AXES = 4 };
+enum { MAGIC_BYTES = 6, START_BYTES = 12, MOST_CHANNELS = 4 };
 static const char magic[] = "\x93NUMPY";
 
 typedef struct npy {
     iso_npy header;
-    size_t axes[MOST_AXES]; /* the fastest first */
+    size_t axes[ISO_NPY_MOST_AXES]; /* the fastest first */
     size_t axis_count;
 } npy;
 
@@ -134,8 +135,8 @@ static iso_status take_axes(npy *n, const char *path, iso_error *err)
     bool is_fortran = false;
     if (!iso_npy_shape(&n->header, axes, &count, &is_fortran))
         return iso_fail(err, ISO_E_FORMAT, "%s: damaged: its NumPy header has no order and shape", path);
-    if (count < 3 || count > MOST_AXES)
-        return iso_fail(err, ISO_E_FORMAT, "%s: its shape is %.*s, a volume has 3 axes, with time 4", path,
+    if (count < 3)
+        return iso_fail(err, ISO_E_FORMAT, "%s: its shape is %.*s, a volume has 3 axes, with time or channels 4", path,
                         (int)strcspn(shape, ")") + 1, shape);
     for (size_t a = 0; a < count; ++a) {
         n->axes[a] = axes[is_fortran ? a : count - 1 - a];
@@ -147,19 +148,42 @@ static iso_status take_axes(npy *n, const char *path, iso_error *err)
     return ISO_OK;
 }
 
+/* Sorts the axes into those of space, the next three from *first on, and others. */
+static iso_status sort_axes(const npy *n, const iso_volume_source *source, size_t *first, iso_extra_axes *extra,
+                            iso_error *err)
+{
+    const size_t *axes = n->axes, slowest = axes[n->axis_count - 1];
+    const bool are_bytes = source->header.type == ISO_U8 && !source->form;
+    const bool is_last = are_bytes && n->axis_count == 4 && axes[0] > MOST_CHANNELS && (slowest == 3 || slowest == 4);
+    *first = n->axis_count > 3 && axes[0] <= MOST_CHANNELS;
+    *extra = (iso_extra_axes){.frame = {.count = 1, .stride = 1}, .channel = {.count = 1, .stride = 1}};
+    if (*first)
+        extra->channel = (iso_extra_axis){axes[0], true, 1};
+    else if (is_last) /* planes of colors */
+        extra->channel = (iso_extra_axis){slowest, false, 1};
+    if (n->axis_count > 3 + *first && !is_last)
+        extra->frame.count = slowest;
+    extra->is_color = are_bytes && (extra->channel.count == 3 || extra->channel.count == 4);
+    if (n->axis_count == 5 && !*first)
+        return iso_fail(err, ISO_E_FORMAT, "%s: 5 axes with %zu samples along the fastest, at most %d can be channels",
+                        source->path, axes[0], MOST_CHANNELS);
+    return ISO_OK;
+}
+
 static iso_status open_array(iso_volume_source *source, npy *n, iso_error *err)
 {
+    iso_extra_axes extra;
+    size_t first;
     iso_geometry *g = &source->header.geometry;
     double mm;
     NEED(iso_npy_read_header(source->path, &n->header, err));
     NEED(take_type(n, source, err));
     NEED(take_axes(n, source->path, err));
+    NEED(sort_axes(n, source, &first, &extra, err));
     NEED(iso_source_unit(source, "mm", "mm", &mm, err));
     NEED(iso_source_need_spacing(source, "of its voxels", err));
-    *g = iso_geometry_axis_aligned(n->axes, (double[]){1, 1, 1});
+    *g = iso_geometry_axis_aligned(n->axes + first, (double[]){1, 1, 1});
     iso_status status = iso_source_check_geometry(source, err);
-    const iso_extra_axes extra = {.frame = {.count = n->axis_count > 3 ? n->axes[3] : 1, .stride = 1},
-                                  .channel = {.count = 1, .stride = 1}};
     TRY(status, iso_source_choose(source, &extra, err));
     return status == ISO_OK ? iso_source_take_file(source, source->path, n->header.samples_at, err) : status;
 }
@@ -176,7 +200,7 @@ static iso_status open_npy(iso_volume_source *source, iso_error *err)
 const iso_volume_format iso_volume_format_npy = {
     .name = "npy",
     .title = "NumPy array",
-    .summary = "numpy.save() of 3 axes, with time 4, in C or Fortran order; by --spacing, plane by plane",
+    .summary = "numpy.save() of 3 axes, time and channels, in C or Fortran order; by --spacing, plane by plane",
     .suffixes = ".npy",
     .starts = "\"\\x93NUMPY\"",
     .probe = starts_like_npy,

@@ -88,6 +88,18 @@ bool is_channel(const std::string &name)
            name == "vector_dimension";
 }
 
+/* Sorts four axes without names as NumPy's: the fastest has channels if it has at most four samples, or else the slowest
+ * time. */
+Axes unnamed_axes(const Array &array, const std::vector<size_t> &left)
+{
+    Axes axes;
+    const bool has_channels = array.size[left[3]] <= 4;
+    (has_channels ? axes.channel : axes.frame) = static_cast<long>(left[has_channels ? 3 : 0]);
+    for (size_t a = 0; a < 3; ++a)
+        axes.space[a] = left[(has_channels ? 2 : 3) - a];
+    return axes;
+}
+
 /* Finds the axes of space. Axes of one sample are left out until three remain; with more, x, y and z have to be
  * found by their names. */
 Axes axes_of(const Array &array, const std::string &path)
@@ -101,6 +113,8 @@ Axes axes_of(const Array &array, const std::string &path)
             left.erase(left.begin() + static_cast<long>(i));
         else
             ++i;
+    if (left.size() == 4 && std::all_of(left.begin(), left.end(), [&](size_t a) { return array.axes[a].empty(); }))
+        return unnamed_axes(array, left);
     int seen = 0;
     for (const size_t a : left) {
         const int world = world_axis_of(array.axes[a], "");
