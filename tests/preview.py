@@ -2,8 +2,9 @@
 """What an exported file shows when it is opened (EEVEE), against Cycles, at its levels. Run by Blender on it for
 check_preview.sh; a line "ok NAME" or "not ok NAME: why" each.
 
-blender -b NAME.blend -P preview.py -- PIXELS"""
+blender -b NAME.blend -P preview.py -- PIXELS [SAMPLES]     16 samples: a window that has come to rest"""
 import math
+import sys
 
 import bpy
 import numpy
@@ -31,8 +32,9 @@ def apart(a, b):
 
 
 exec(bpy.data.texts["isoshade agreement"].as_string(), {})
-scene.render.resolution_x = scene.render.resolution_y = int(__import__("sys").argv[-1])
-scene.eevee.taa_render_samples = 2
+size, samples = ([int(number) for number in sys.argv[sys.argv.index("--") + 1:]] + [2])[:2]
+scene.render.resolution_x = scene.render.resolution_y = size
+scene.eevee.taa_render_samples = samples
 eevee = 'BLENDER_EEVEE_NEXT' if (4, 2, 0) <= bpy.app.version < (5, 0, 0) else 'BLENDER_EEVEE'
 for level in levels:
     frame["level"] = level
