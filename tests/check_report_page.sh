@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # The report in a browser, as its reader uses it: failed cases, A/B flip, threshold, zoom, no network, and a screenshot.
 . "$(dirname "$0")/lib.sh"
+python_with numpy
 cd "$top" || exit 1
 # A step of opacity 0.9999 in a scene declared smooth, whose limits floats exceed, so that the page has a failed case.
 mkdir "$dir/strict" "$dir/elsewhere"
@@ -87,6 +88,17 @@ check consistency_has_a_row_of_each_method_and_tf found 'consistency_rows 8'
 check half_of_them_are_under_the_adapted_tf found 'rows_under_the_adapted_tf 4'
 check the_level_is_told_with_its_figures found 'levels_told true'
 check the_levels_have_a_verdict_of_their_own found 'levels_verdict ✗ The levels do not hold: 1 of 1 fails\. Level 1: 1-SSIM is 0\.[0-9]+, the limit is 0\.01\..*'
+# A renderer with a known mistake.
+cp doc/guide/{numpy_renderer.py,renderers.json} "$dir"
+sed -i "s|\"python3\", \"numpy|\"$python\", \"numpy|" "$dir/renderers.json"
+sed -i 's/-np.expm1(-sigma/-np.expm1(-0.5 * sigma/' "$dir/numpy_renderer.py"
+expect a_renderer_with_a_mistake_is_exit_9 9 "$ISOSHADE" validate "$dir/v.nrrd" --quick --levels 1 --size 8 --quiet \
+    --with numpy --renderers "$dir/renderers.json" -o "$dir/mistaken"
+findings "$dir/mistaken/index.html"
+check the_mistake_is_shown_with_its_pictures found 'mistakes_explained 1'
+page=$dir/mistaken/index.html
+lost pictures_of_another_mistake_are_noticed "s/picture('explained'/picture('wanted'/" 'mistakes_explained 0'
+lost a_black_difference_is_noticed 's/(d, null, -Infinity)/(d, null, Infinity)/' 'mistakes_explained 0'
 # What a budget left out.
 expect nothing_is_compared_in_no_time 1 "$ISOSHADE" validate "$dir/v.nrrd" --scene refscenes/shells.scene.json --quick --with gl \
     --levels 3 --size 16 --budget 0.001 --quiet -o "$dir/hurried"

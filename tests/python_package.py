@@ -311,11 +311,16 @@ class Validation(unittest.TestCase):
                  "rows": (lambda r: right(r)[::-1], ["the first row were the bottom one"]),
                  "both": (lambda r: (right(r) * right(r)[..., 3:] ** [1, 1, 1, 0])[::-1],
                           ["the first row were the bottom one", "multiplied by alpha twice"])}
-        report = iso.validate(self.VOLUME, renderers={name: f for name, (f, _) in wrong.items()}, size=16)
+        report = iso.validate(self.VOLUME, renderers={name: f for name, (f, _) in wrong.items()}, size=16,
+                              folder="wrong")
         self.assertFalse(report.agrees)
         for name, (_, words) in wrong.items():
             for word in words:
                 self.assertIn(word, report.json["mistakes"][name])
+            wanted, got, explained = (iso.load_image(f"wrong/images/mistake-{name}-{part}.exr")
+                                      for part in ("wanted", "got", "explained"))
+            self.assertGreater(iso.compare(got, wanted).rmse, 0.05, name)
+            self.assertLess(iso.compare(got, explained).rmse, 6e-3, name)  # the most that a mistake may leave
         self.assertRegex(report.summary, "^mirror draws as if the volume were mirrored along x")
 
     def test_its_exception_is_raised(self):

@@ -53,6 +53,20 @@
             say('versions', !$('#versions').hidden && /column 3, row 4, G/.test(beside.textContent) && shown().length === 1 && location.hash === `#case-${beside.dataset.versions}`);
         }
 
+        // A named mistake: wanted, got, their difference, and the reference with the mistake, which looks as got does.
+        const explained = [...document.querySelectorAll('#failed .mistake')].filter(panels => {
+            const pictures = [...panels.querySelectorAll('.panel > :first-child')];
+            const [wanted, got, difference, known] = pictures.map(picture => {
+                const canvas = document.createElement('canvas');
+                canvas.width = canvas.height = 32;
+                canvas.getContext('2d').drawImage(picture, 0, 0);
+                return canvas.getContext('2d').getImageData(0, 0, 32, 32).data;
+            });
+            const apart = (x, y) => x.reduce((sum, value, i) => sum + Math.abs(value - y[i]), 0) / x.length;
+            return apart(wanted, got) > 8 * apart(got, known) && difference.some((value, i) => i % 4 < 3 && value > 0);
+        });
+        say('mistakes_explained', explained.length);
+
         const failed = $('#failed'), rows = [...document.querySelectorAll('#agreement tbody tr')];
         say('failed_cases_shown', !failed.hidden && failed.querySelectorAll('.failure').length);
         say('failed_cases_on_top', Boolean(failed.compareDocumentPosition($('#agreement')) & Node.DOCUMENT_POSITION_FOLLOWING));

@@ -19,7 +19,7 @@ static void look(const size_t *numbers, size_t count, iso_mistakes *found)
 static bool holds(const iso_mistakes *found, size_t number)
 {
     for (size_t i = 0; i < found->count; ++i)
-        if (strcmp(found->names[i], iso_mistake_name(number)) == 0)
+        if (found->numbers[i] == number)
             return true;
     return false;
 }
@@ -31,7 +31,7 @@ TEST(mistakes_are_named)
         look(&m, 1, &found);
         if (found.count != 1 || !holds(&found, m))
             fail_msg("\"%s\" is taken for %zu: %s", iso_mistake_name(m), found.count,
-                     found.count ? found.names[0] : "none");
+                     found.count ? iso_mistake_name(found.numbers[0]) : "none");
         assert_within(found.explained, 1, 1e-9); /* the same arithmetic */
     }
 }
@@ -56,7 +56,8 @@ TEST(pairs_are_named)
         look(numbers, 2, &found);
         if (found.count != 2 || !holds(&found, numbers[0]) || !holds(&found, numbers[1]))
             fail_msg("%s and %s are taken for %zu: %s, %s", pairs[i][0], pairs[i][1], found.count,
-                     found.count ? found.names[0] : "none", found.count > 1 ? found.names[1] : "none");
+                     found.count ? iso_mistake_name(found.numbers[0]) : "none",
+                     found.count > 1 ? iso_mistake_name(found.numbers[1]) : "none");
     }
 }
 
@@ -67,9 +68,11 @@ TEST(a_right_renderer_has_none)
     for (size_t i = 0; i < 2; ++i) {
         const iso_renderer_info *which;
         iso_mistakes found;
+        iso_mistake_pictures shown;
         assert_ok(iso_renderer_from_name(names[i], &which, &err));
-        assert_ok(iso_mistakes_find(&renderers, which, 0, &found, &err));
+        assert_ok(iso_mistakes_find(&renderers, which, 0, &found, &shown, &err));
         assert_int_equal(found.count, 0);
+        assert_null(shown.got.rgba);
     }
 }
 

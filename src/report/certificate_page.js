@@ -67,7 +67,7 @@ function details(row) {
 const painter = new IntersectionObserver(entries => {
     for (const {target} of entries.filter(e => e.isIntersecting)) {
         painter.unobserve(target);
-        differencePanel(data.agreement[Number(target.dataset.at)]).then(panel => target.replaceWith(panel));
+        differencePanel(data.agreement[Number(target.dataset.at)].number).then(panel => target.replaceWith(panel));
     }
 }, {rootMargin: '400px'});
 

@@ -62,7 +62,7 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     struct tm utc;
     strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     r->start_seconds = iso_clock_seconds();
-    r->inlined = json_pack("{s:{}, s:[], s:[], s:{}}", "images", "differences", "words", "charts");
+    r->inlined = json_pack("{s:{}, s:[], s:[], s:{}, s:{}}", "images", "differences", "words", "charts", "mistakes");
     r->root = json_pack(
         "{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:s, s:[], s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}", "schema",
         ISO_REPORT_SCHEMA, "command", text(about->command), "options", "title", text(about->title), "volume",
@@ -344,6 +344,25 @@ iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibratio
                           "unit", text(row->unit), "verdict",
                           iso_verdict_word(verdict), "detail", text(row->detail));
     return json_array_append_new(json_object_get(r->root, "calibration"), o) == 0 ? ISO_OK : no_memory(err);
+}
+
+iso_status iso_report_add_mistake(iso_report *r, const iso_report_mistake *m, iso_error *err)
+{
+    static const char *const parts[3] = {"wanted", "got", "explained"};
+    char names[3][128], caption[128], *difference = NULL;
+    iso_status status = ISO_OK;
+    for (int i = 0; i < 3 && status == ISO_OK; ++i) {
+        snprintf(names[i], sizeof names[i], "mistake-%.99s-%s", m->renderer, parts[i]);
+        snprintf(caption, sizeof caption, "calibration: %.99s", m->check);
+        status = iso_report_add_image(r, names[i], m->pictures[i], caption, NULL, err);
+    }
+    TRY(status, iso_report_files_difference(r->out.temp_path, names[0], names[1], &difference, err));
+    if (status == ISO_OK) {
+        iso_report_put(r, "mistakes", m->renderer, json_string(m->text));
+        json_object_set_new(json_object_get(r->inlined, "mistakes"), m->renderer, json_string(difference));
+    }
+    free(difference);
+    return status;
 }
 
 static double sort_key(const json_t *row)

@@ -138,6 +138,14 @@ typedef struct iso_report_calibration {
 } iso_report_calibration;
 iso_status iso_report_add_calibration(iso_report *report, const iso_report_calibration *row, iso_error *err);
 
+/* The known mistakes that explain the pictures of a renderer. */
+typedef struct iso_report_mistake {
+    const char *renderer, *text;
+    const char *check;            /* the one of the pictures: */
+    const iso_image *pictures[3]; /* wanted, got, and with the mistakes */
+} iso_report_mistake;
+iso_status iso_report_add_mistake(iso_report *report, const iso_report_mistake *mistake, iso_error *err);
+
 typedef struct iso_report_summary {
     size_t agreed, differed, refused, not_compared; /* agreement rows: all requested ones */
     size_t by_reason[ISO_UNCOMPARED_COUNT];         /* of not_compared */

@@ -20,8 +20,8 @@ async function pixels(uri) {
     return decodes.get(uri);
 }
 // log10 of the difference; -Infinity for none, Infinity for pixels that are not finite.
-async function differences(key) {
-    const p = await pixels(inlined.differences[key]);
+async function differences(key, pictures = inlined.differences) {
+    const p = await pixels(pictures[key]);
     const logs = new Float32Array(p.width * p.height);
     for (let i = 0; i < logs.length; ++i) {
         const code = p.bytes[4 * i] * 256 + p.bytes[4 * i + 1];

@@ -175,14 +175,26 @@ function versions() {
 function still(uri, name, note) {
     return el('div', {class: 'panel'}, el('img', {src: uri, alt: name}), el('span', {}, el('strong', {}, name), note ? ` ${note}` : ''));
 }
-async function differencePanel(row) {
+async function differencePanel(key, pictures) {
     const holder = el('div', {class: 'panel'});
-    const d = await differences(row.number), {canvas} = paintDifference(d, null, -Infinity);
+    const d = await differences(key, pictures), {canvas} = paintDifference(d, null, -Infinity);
     canvas.setAttribute('role', 'img');
     canvas.setAttribute('aria-label', 'difference');
     canvas.style.cursor = 'default';
     holder.append(canvas, el('span', {}, el('strong', {}, 'difference'), ' log scale, 10⁻⁸ to 1'));
     return holder;
+}
+// The known mistake of a renderer, in the check that differs most.
+function namedMistake(name) {
+    const text = (data.mistakes || {})[name];
+    if (!text) return [];
+    const image = part => `mistake-${name}-${part}`;
+    const picture = (part, ...label) => still(inlined.images[image(part)], ...label);
+    const panels = el('div', {class: 'panels mistake'},
+        picture('wanted', 'wanted', data.images[image('wanted')].caption), picture('got', name));
+    differencePanel(name, inlined.mistakes)
+        .then(d => panels.append(d, picture('explained', 'the reference', 'with the mistake')));
+    return [el('p', {}, el('b', {}, 'It draws '), text, '.'), panels];
 }
 // The failed checks of one renderer, the farthest beyond its limit first.
 function failedCalibration(name, unfit) {
@@ -190,7 +202,8 @@ function failedCalibration(name, unfit) {
     const failed = unfit.filter(r => r.renderer === name).sort((a, b) => beyond(b) - beyond(a));
     const measured = r => r.value === null ? ['nothing could be measured. '] : [number(r.value), ` ${r.unit || ''}, at most `, number(r.limit), '. '];
     return el('div', {class: 'failure'}, el('h3', {}, `${name} failed ${failed.length} of ${all.length} checks of its calibration`),
-        el('ul', {}, failed.map(r => el('li', {}, el('strong', {}, r.check), ': ', measured(r), r.detail || ''))));
+        ...namedMistake(name), el('ul', {}, failed.map(r =>
+            el('li', {}, el('strong', {}, r.check), ': ', measured(r), r.detail || ''))));
 }
 function failures() {
     const bad = data.agreement.filter(row => row.verdict === 'differ'), shown = 8, reasons = new Map();
@@ -202,7 +215,7 @@ function failures() {
         const panels = el('div', {class: 'panels'});
         if (row.image_a) panels.append(still(inlined.images[row.image_a], row.a, 'a'));
         if (row.image_b) panels.append(still(inlined.images[row.image_b], nameOf(row), 'b'));
-        if (inlined.differences[row.number]) differencePanel(row).then(p => panels.append(p));
+        if (inlined.differences[row.number]) differencePanel(row.number).then(p => panels.append(p));
         $('failed').append(el('div', {class: 'failure'}, el('h3', {}, title(row)), el('p', {}, explain(row)), panels, command(row.command) || '',
             inlined.differences[row.number] ? el('button', {type: 'button', onclick: () => inspect(data.agreement.indexOf(row), true)}, 'inspect') : null));
     }

@@ -537,11 +537,11 @@ static iso_status draw_singles(search *s, iso_error *err)
 static void take(const search *s, const fit *f, iso_mistakes *found)
 {
     double error = 0;
-    for (int check = 0; check < ISO_CALIBRATION_COUNT; ++check)
+    *found = (iso_mistakes){.count = f->b == NONE ? 1 : 2, .numbers = {f->a, f->b}};
+    for (int check = 0; check < ISO_CALIBRATION_COUNT; ++check) {
         error += s->error[check];
-    *found = (iso_mistakes){.count = f->b == NONE ? 1 : 2, .names = {mistakes[f->a].name}};
-    if (f->b != NONE)
-        found->names[1] = mistakes[f->b].name;
+        found->check = s->error[check] > s->error[found->check] ? check : found->check;
+    }
     found->explained = error > 0 ? 1 - f->left / error : 0;
 }
 
@@ -569,14 +569,21 @@ iso_status iso_mistakes_of_pictures(const iso_image pictures[ISO_CALIBRATION_COU
 }
 
 iso_status iso_mistakes_find(iso_renderers *r, const iso_renderer_info *which, int threads, iso_mistakes *found,
-                             iso_error *err)
+                             iso_mistake_pictures *shown, iso_error *err)
 {
     iso_image pictures[ISO_CALIBRATION_COUNT] = {{.rgba = NULL}};
     iso_status status = ISO_OK;
     *found = (iso_mistakes){.count = 0};
+    *shown = (iso_mistake_pictures){.got = {.rgba = NULL}};
     for (int check = 0; check < ISO_CALIBRATION_COUNT && status == ISO_OK; ++check)
         status = iso_calibration_picture(r, which, check, &pictures[check], err);
     TRY(status, iso_mistakes_of_pictures(pictures, threads, found, err));
+    if (status == ISO_OK && found->count > 0) {
+        status = iso_mistakes_draw(found->check, NULL, 0, threads, &shown->wanted, err);
+        TRY(status, iso_mistakes_draw(found->check, found->numbers, found->count, threads, &shown->explained, err));
+        shown->got = pictures[found->check];
+        pictures[found->check] = (iso_image){.rgba = NULL};
+    }
     for (int check = 0; check < ISO_CALIBRATION_COUNT; ++check)
         iso_image_destroy(&pictures[check]);
     return status;

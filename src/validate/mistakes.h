@@ -14,19 +14,24 @@
 enum { ISO_MISTAKES_MOST = 2 };
 
 typedef struct iso_mistakes {
-    size_t count;                         /* 0: none explains the pictures */
-    const char *names[ISO_MISTAKES_MOST]; /* "the volume stood half a voxel off along x": after "as if" */
-    double explained;                     /* part of the squared difference from the right pictures, 0 to 1 */
+    size_t count; /* 0: none explains the pictures */
+    size_t numbers[ISO_MISTAKES_MOST];
+    double explained; /* part of the squared difference from the right pictures, 0 to 1 */
+    int check;        /* the one that differs most */
 } iso_mistakes;
 
-/* Returns the number of known mistakes, and their names. */
+/* Returns the number of known mistakes, and their names, such as "the volume stood half a voxel off along x". */
 size_t iso_mistake_count(void);
 const char *iso_mistake_name(size_t number);
 
-/* Draws the calibrations by `which` again and looks for its mistakes. Pictures that are missing are left out.
- * ISO_E_MEMORY; also the failures of the renderer. */
+/* The check that differs most; empty without mistakes. */
+typedef struct iso_mistake_pictures {
+    iso_image wanted, got, explained; /* explained: with the mistakes */
+} iso_mistake_pictures;
+/* Draws the calibrations by `which` again and looks for its mistakes. Pictures that are missing are left out. The
+ * caller destroys the images of `shown`. ISO_E_MEMORY; also the failures of the renderer. */
 iso_status iso_mistakes_find(iso_renderers *r, const iso_renderer_info *which, int threads, iso_mistakes *found,
-                             iso_error *err);
+                             iso_mistake_pictures *shown, iso_error *err);
 
 /* Draws a check with up to two mistakes, by their numbers; for tests. */
 iso_status iso_mistakes_draw(int check, const size_t *mistakes, size_t count, int threads, iso_image *image,

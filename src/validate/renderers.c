@@ -191,18 +191,26 @@ static iso_status add_check(iso_validation *v, const fitness *f, const iso_calib
     return iso_report_add_calibration(v->report, &row, err);
 }
 
-/* Writes the mistake that explains the failed calibrations into the report's "mistakes". */
+/* Writes the mistake that explains the failed calibrations into the report, with pictures. */
 static iso_status name_mistakes(iso_validation *v, const iso_renderer_info *which, iso_error *err)
 {
     iso_mistakes m;
+    iso_mistake_pictures shown;
     char text[400];
-    const iso_status status = iso_mistakes_find(&v->renderers, which, v->threads, &m, err);
-    if (status != ISO_OK || m.count == 0)
-        return status;
-    snprintf(text, sizeof text, "as if %s%s%s (explains %.3g %% of the difference)", m.names[0],
-             m.count > 1 ? ", and " : "", m.count > 1 ? m.names[1] : "", 100 * m.explained);
-    iso_report_put(v->report, "mistakes", which->name, json_string(text));
-    return ISO_OK;
+    iso_status status = iso_mistakes_find(&v->renderers, which, v->threads, &m, &shown, err);
+    if (status == ISO_OK && m.count > 0) {
+        snprintf(text, sizeof text, "as if %s%s%s (explains %.3g %% of the difference)", iso_mistake_name(m.numbers[0]),
+                 m.count > 1 ? ", and " : "", m.count > 1 ? iso_mistake_name(m.numbers[1]) : "", 100 * m.explained);
+        const iso_report_mistake mistake = {.renderer = which->name,
+                                            .text = text,
+                                            .check = iso_calibration_name(m.check),
+                                            .pictures = {&shown.wanted, &shown.got, &shown.explained}};
+        status = iso_report_add_mistake(v->report, &mistake, err);
+    }
+    iso_image_destroy(&shown.wanted);
+    iso_image_destroy(&shown.got);
+    iso_image_destroy(&shown.explained);
+    return status;
 }
 
 static iso_status add_to_report(iso_validation *v, const fitness *f, iso_error *err)
