@@ -16,6 +16,8 @@ label = numpy.zeros((14, 9, 8), "uint8")
 label[2:9, 3:7, 1:7], label[9:12, 2:8, 2:6] = 1, 2
 placed = numpy.array([[-1.7, 0, 0, 8], [0, 2.5, 0.2, -16], [0, 0, 4, 5], [0, 0, 0, 1]])
 nibabel.save(nibabel.Nifti1Image(label, placed), "over.nii")
+moved = numpy.array([[1.1, 0, 0.2, 0], [0, 1.3, 0, -9], [0, 0.1, 2.1, 16], [0, 0, 0, 1]])
+nibabel.save(nibabel.Nifti1Image(values[2:, 1:, 3:].astype("int16"), moved), "moved.nii")
 plain = nibabel.Nifti1Image(values.astype("float32"), None)
 plain.header.set_zooms((1, 1.5, 2))
 plain.header["qform_code"] = plain.header["sform_code"] = 0
@@ -49,7 +51,7 @@ done
 expect labels_are_shown 0 daily labels named.html
 check they_have_their_names grep -qx 'labels 2 left kidney; 7 Läsion; 11; 0' out
 expect files_are_opened 0 daily opened patient.html steps.nii over.nii
-all_true opened 8
+all_true opened 12
 sed 's/new Worker(/new Forbidden(/' patient.html >alone.html
 expect files_are_opened_without_workers 0 daily opened alone.html steps.nii over.nii
 check and_that_is_noticed grep -qx 'files_are_read_beside_the_page false' out
@@ -63,6 +65,26 @@ printf '{"schema": "isoshade.tf/1", "range": [0, 1], "unit_distance_mm": 2, "col
 expect points_of_the_picture_are_picked 0 daily picked constant.html
 all_true picked 7
 "$ISOSHADE" make noise --size 12x11x10 --type int16 --range -300,900 -q -o noise.nrrd
+for at in near:4 far:9000; do # along y, which the picture is against
+    "$python" - "${at%:*}.nrrd" "${at#*:}" <<'END'
+import sys
+head = "NRRD0004\ntype: float\ndimension: 3\nspace dimension: 3\nsizes: 10 10 10\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n" \
+       f"space origin: (-4.5,{float(sys.argv[2]) - 4.5},-4.5)\nendian: little\nencoding: raw\n\n"
+with open(sys.argv[1], "wb") as f:
+    f.write(head.encode() + bytes([0, 0, 128, 63]) * 1000)
+END
+done
+expect a_second_volume_is_in_the_picture 0 daily overlaid constant.html near.nrrd far.nrrd
+all_true overlaid 8
+# A second volume on the command line, at its place.
+"$ISOSHADE" view patient.nii --overlay moved.nii -q -o pair.html || failed=1
+expect a_page_has_two_volumes 0 daily placed pair.html .
+"$ISOSHADE" render moved.nii --scene placed.scene.json --shading-from on-the-fly --with gl -q -o placed.exr >/dev/null || failed=1
+check the_second_is_at_its_place "$ISOSHADE" compare placed.exr placed.page.exr --max-rmse 5e-6 --max-abs 1e-4
+"$ISOSHADE" render patient.nii --scene placed.scene.json --shading-from on-the-fly --with gl -q -o first.exr >/dev/null || failed=1
+notice the_first_in_its_stead_is_noticed "$ISOSHADE" compare first.exr placed.page.exr --max-rmse 5e-6 --max-abs 1e-4
+refuse a_second_volume_that_is_missing_is_refused 3 "--overlay: none.nii" "$ISOSHADE" view patient.nii --overlay none.nii -o x.html
+refuse a_second_volume_that_is_too_large_is_refused 5 "raise --most-voxels" "$ISOSHADE" view patient.nii --overlay moved.nii --most-voxels 4000 -o x.html
 sed '0,/^encoding/s//sample units: "HU"\n&/' noise.nrrd >hu.nrrd
 "$ISOSHADE" view hu.nrrd -q -o hu.html || failed=1
 expect the_unit_of_values_is_shown 0 daily unit hu.html hu.nrrd HU

@@ -7,6 +7,8 @@ view_daily.py labels PAGE              names of labels
 view_daily.py framed PAGE OUTER.html   the page in a frame that forbids to save, 420 pixels high
 view_daily.py opened PAGE STEPS OVER   a file of time steps, and another file over its slices
 view_daily.py picked PAGE              lengths and points in the picture, of a constant that is 10 mm wide
+view_daily.py overlaid PAGE FILE FAR   a second volume, of constants; noise.nrrd is next to the page
+view_daily.py placed PAGE FOLDER       writes the picture of the second volume alone, and its scene
 view_daily.py unit PAGE FILE UNIT      the unit of values, of the page and of a file that is opened
 view_daily.py lost PAGE FILE OTHER     the context is lost and comes again"""
 import base64
@@ -22,7 +24,7 @@ import nibabel
 import numpy
 
 from chromium import Chromium
-from view_page import load
+from view_page import load, take
 from view_page import say as say_value
 
 PLANES = ((0, 1, 2), (0, 2, 1), (1, 2, 0))  # axes of the world: to the right, upwards, through
@@ -311,7 +313,7 @@ def opened(path, steps, over):
         # The label at the position of each pixel colors it; nothing else changes.
         show(page, (9, 12, 8))
         before = colors(page)
-        choose(page, "#slicing input[type=file]", over)
+        choose(page, "#overlay input[type=file]", over)
         after = colors(page)
         canonical = nibabel.as_closest_canonical(image)
         at = numpy.round(numpy.linalg.solve(canonical.affine, affine @ [9, 12, 8, 1])).astype(int)
@@ -325,12 +327,117 @@ def opened(path, steps, over):
         label = label.reshape(x.shape).T[::-1, ::-1]  # rows from the top, the patient's right at the left
         say("labels_color_their_places", numpy.array_equal((before != after).any(-1), label > 0) and (label > 0).any())
         say("shifted_labels_are_noticed", not numpy.array_equal((before != after).any(-1), numpy.roll(label, 1, 0) > 0))
-        page.evaluate("isoshade.data.overlay.cover = 1; isoshade.slices.draw()")
+        page.evaluate("isoshade.state.overlay.cover = 1; isoshade.slices.draw()")
         say("each_label_has_one_color", len({tuple(c) for c in colors(page)[label > 0]}) == len(set(label[label > 0])))
         say("files_are_read_beside_the_page", page.evaluate("isoshade.worker.here") == 0)
         say("its_value_is_told", re.search(r"over\.nii \d+$", page.evaluate("document.getElementById('readout').textContent")))
         page.screenshot(over + ".png")
+        saved_steps(page, values, affine, over)
         say("no_exception", not any(e["method"] == "Runtime.exceptionThrown" for e in page.events))
+
+
+def saved_steps(page, values, affine, over):
+    """Saves a page of opened files, whose steps and second volume are there again."""
+    page.evaluate("isoshade.state.camera = {...isoshade.state.camera, half: 0.2}; isoshade.frames.ask()")
+    page.evaluate("isoshade.data.toStep(1)")
+    picture = "isoshade.frames.settled().then(() => [...isoshade.frames.measure(40, 30).rgba])"
+    before, left = page.evaluate(picture), colors(page)
+    state = page.evaluate("JSON.stringify(isoshade.state)")
+    keep_saved(page, over + ".html")
+    load(page, over + ".html")
+    say("the_saved_page_has_the_state", page.evaluate("JSON.stringify(isoshade.state)") == state)
+    say("it_draws_the_same", page.evaluate(picture) == before and numpy.array_equal(colors(page), left))
+    right = []
+    lo, hi = values.min(), values.max()
+    page.evaluate(f"isoshade.state.overlay = null; isoshade.state.window = [{lo}, {hi}]")
+    for step in (2, 0, 1):
+        page.evaluate(f"isoshade.data.toStep({step}).then(() => isoshade.frames.settled())")
+        right.append([largest_difference(page, values[..., t], affine, True, 0) <= 1 for t in range(3)])
+    say("it_has_all_steps", [r.index(True) for r in right] == [2, 0, 1] and sum(map(sum, right)) == 3)
+    keep_saved(page, over + ".again.html")
+    load(page, over + ".again.html")
+    say("it_is_saved_again", page.evaluate("isoshade.data.levels[0].held.length") == 3)
+
+
+def keep_saved(page, path):
+    page.evaluate("""HTMLAnchorElement.prototype.click = function () {
+        window.savedPage = fetch(this.href).then(r => r.text()); }; document.getElementById('save-page').click()""")
+    page.wait("window.savedPage")
+    with open(path, "w", encoding="utf-8") as f:
+        f.write(page.evaluate("savedPage"))
+
+
+def overlaid(path, shifted, far):
+    """Two constants of 10 mm, the second 4 mm nearer: each part of a ray is known."""
+    with Chromium(size=(900, 700)) as page:
+        load(page, path)
+        # Faces lie at whole segments: in a segment that has one, the order of both is not known.
+        page.evaluate("Object.assign(isoshade.state.camera, {position: [0, 105, 0], lookAt: [0, 0, 0], up: [0, 0, 1]})")
+        page.evaluate("Object.assign(isoshade.state, {shading: {ambient: 1, diffuse: 0, specular: 0, power: 1}, background: [0, 0, 0]})")
+        middle = "isoshade.frames.settled().then(() => [...isoshade.frames.measure(31, 31).rgba])"
+        page.evaluate(SECOND % "0")
+        alone = page.evaluate(middle)
+        choose(page, "#overlay input[type=file]", far)
+        page.evaluate(SECOND % "1")
+        say("a_volume_elsewhere_changes_nothing", page.evaluate(middle) == alone)
+        choose(page, "#overlay input[type=file]", shifted)
+        page.evaluate(SECOND % "1")
+        pixels_of = numpy.array(page.evaluate(middle)).reshape(31, 31, 4)
+        say("both_are_summed", abs(pixels_of[15, 15, :3] - along_ray(4)).max() <= 2e-6)  # floats of 150 segments
+        say("another_place_is_noticed", abs(pixels_of[15, 15, :3] - along_ray(3.9)).max() > 2e-6)
+        layered = -math.expm1(-10 * OVER), -math.exp(-10 * OVER) * math.expm1(-10 * FIRST)
+        say("layers_are_noticed", abs(pixels_of[15, 15, 1::-1] - layered).max() > 2e-3)
+        page.evaluate(SECOND % "0")
+        say("a_clear_one_changes_nothing", page.evaluate(middle) == alone)
+
+        # Twice the same volume, each with half of the extinction.
+        choose(page, "#overlay input[type=file]", os.path.join(os.path.dirname(path), "noise.nrrd"))
+        choose(page, "#open", os.path.join(os.path.dirname(path), "noise.nrrd"))
+        page.evaluate("Object.assign(isoshade.state, {shading: {ambient: 0.3, diffuse: 0.7, specular: 0, power: 1}})")
+        page.evaluate("document.querySelector('#overlay .buttons button').click()")  # the volume's transfer function
+        page.evaluate("window.whole = isoshade.state.overlay.tf; isoshade.state.overlay = null; isoshade.state.tf = whole")
+        whole = numpy.array(page.evaluate(middle))
+        half = "{...whole, unit_distance_mm: 2 * whole.unit_distance_mm}"
+        page.evaluate(f"isoshade.state.tf = {half}; isoshade.state.overlay = {{cover: 1, range: null, tf: {half}}}")
+        both = numpy.array(page.evaluate(middle))
+        say("two_halves_are_a_whole", abs(both - whole).max() <= 2e-6 and whole.max() > 0.1)
+        page.evaluate("isoshade.state.overlay = {cover: 1, range: null, tf: whole}")
+        say("more_is_noticed", abs(numpy.array(page.evaluate(middle)) - whole).max() > 1e-3)
+        say("no_exception", not any(e["method"] == "Runtime.exceptionThrown" for e in page.events))
+
+
+def placed(path, folder):
+    """The second volume of a page alone: its picture, and the scene for the program."""
+    with Chromium(size=(900, 700)) as page:
+        load(page, path)
+        lo, hi = page.evaluate("(l => [l.min, l.max])(isoshade.data.overlay.level)")
+        middle = lo + 0.4 * (hi - lo)
+        points = [{"value": v, "r": 1, "g": 0.5, "b": 0.2, "opacity": o} for v, o in ((lo, 0), (middle, 0), (hi, 0.4))]
+        tf = {"range": [lo, hi], "unit_distance_mm": 1.5, "color_space": "linear", "points": points}
+        page.evaluate(f"""isoshade.state.overlay = {{cover: 1, range: null, tf: {json.dumps(tf)}}};
+            isoshade.state.tf = {{...isoshade.state.tf, points: isoshade.state.tf.points.map(p => ({{...p, opacity: 0}}))}}""")
+        scene = page.evaluate("({...isoshade.controls.sceneNow(), image: {width: 80, height: 60}})")
+        page.evaluate("isoshade.state.camera = isoshade.frames.camera(isoshade.frames.size()[0] / isoshade.frames.size()[1]);"
+                      " isoshade.state.sceneAspect = 80 / 60")
+        with open(os.path.join(folder, "placed.scene.json"), "w", encoding="utf-8") as f:
+            json.dump({**scene, "tf": {"schema": "isoshade.tf/1", **tf}}, f)
+        take(page, os.path.join(folder, "placed.page.exr"), 80, 60)
+
+
+FIRST, OVER = -math.log(0.7) / 2, -math.log(0.5) / 3  # extinctions per mm
+SECOND = """isoshade.state.overlay = {cover: 1, range: null, tf: {range: [0, 2], unit_distance_mm: 3,
+    points: [0, 2].map(value => ({value, r: 0, g: 1, b: 0, opacity: 0.5 * %s}))}};
+    isoshade.state.tf = {...isoshade.state.tf, points: isoshade.state.tf.points.map(p => ({...p, r: 1, g: 0, b: 0}))}"""
+
+
+def along_ray(shift):
+    """The second alone, both, the first alone."""
+    light, color = 1, numpy.zeros(3)
+    for length, first, second in ((shift, 0, OVER), (10 - shift, FIRST, OVER), (shift, FIRST, 0)):
+        part = light * -math.expm1(-(first + second) * length)
+        color += part * numpy.array([first, second, 0]) / (first + second)
+        light -= part
+    return color
 
 
 def colors(page):
@@ -400,5 +507,5 @@ def framed(path, outer):
 
 
 if __name__ == "__main__":
-    {"slices": slices, "labels": labels, "framed": framed, "opened": opened, "lost": lost, "picked": picked,
+    {"slices": slices, "labels": labels, "framed": framed, "opened": opened, "lost": lost, "picked": picked, "overlaid": overlaid, "placed": placed,
      "unit": unit}[sys.argv[1]](*sys.argv[2:])

@@ -25,7 +25,7 @@ enum { LEVELS = 5, COARSEST = 16 }; /* COARSEST: stop at this many voxels along 
 typedef struct view_arguments {
     iso_volume_input input;
     iso_cli_look look;
-    char *output, *codes, *plan;
+    char *output, *codes, *plan, *overlay;
     int level, levels, floats, adapted, errors, compact;
     double most;
 } view_arguments;
@@ -227,6 +227,26 @@ static iso_status load(const view_arguments *a, const char *path, const iso_pyra
     return status;
 }
 
+/* Loads the second volume as a pyramid of one level. */
+static iso_status load_overlay(const view_arguments *a, const iso_progress *progress, iso_viewer *v, iso_pyramid *p,
+                               iso_error *err)
+{
+    iso_pyramid_options build = iso_pyramid_defaults();
+    const iso_volume_input input = {0};
+    build.threads = v->threads;
+    build.level_count = 1;
+    iso_status status = iso_subject_load_pyramid(a->overlay, &input, &build, progress, p, err);
+    const double voxels = status == ISO_OK ? (double)iso_geometry_voxel_count(&p->levels[0].geometry) : 0;
+    if (voxels > a->most)
+        status = iso_fail(err, ISO_E_RANGE, "%s: %.3g voxels, the page's limit is %.3g; raise --most-voxels",
+                          a->overlay, voxels, a->most);
+    if (status != ISO_OK)
+        return iso_fail_in(err, status, "--overlay");
+    v->overlay = &p->levels[0];
+    v->overlay_title = iso_provenance_title(a->overlay);
+    return ISO_OK;
+}
+
 static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *err)
 {
     const char *path = cli->arguments[0];
@@ -235,7 +255,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     const iso_cli_stage stages[] = {{"pyramid", 1}, {"pack", 3}};
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid pyramid = {0};
+    iso_pyramid pyramid = {0}, overlay = {0};
     iso_scene scene = {0};
     iso_subject_look look;
     iso_viewer v = {.pyramid = &pyramid,
@@ -276,11 +296,14 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
         status = open_plan(&plan, a->plan, &v, err);
         v.plan = &plan.page;
     }
+    if (status == ISO_OK && a->overlay)
+        status = load_overlay(a, &progress, &v, &overlay, err);
     TRY(status, iso_viewer_save(&v, a->output, &progress, &size, err));
     if (status == ISO_OK)
         report(a, cli, &v, &size);
     close_plan(&plan);
     iso_scene_destroy(&scene);
+    iso_pyramid_destroy(&overlay);
     iso_pyramid_destroy(&pyramid);
     free(input);
     return status;
@@ -289,6 +312,8 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
 static const iso_option options[] = {
     {"output", 'o', "page to write", "VIEW.html", ISO_IN(view_arguments, output)},
     ISO_OPTIONS_OF(view_arguments, look, iso_look_rows),
+    {"overlay", 0, "second volume or label map, at its place in the same picture", "VOLUME|PYRAMID.iso",
+     ISO_IN(view_arguments, overlay)},
     {"level", 0, "finest level in the page (the finest that is small enough)", "K", ISO_IN(view_arguments, level),
      .most = 31},
     {"levels", 0, "number of levels in the page", "N", ISO_IN(view_arguments, levels), .flags = ISO_SHOWN, .least = 1,

@@ -52,7 +52,7 @@ const makeCaster = (context, data) => {
         program.float('roi_band', roi.band);
         program.vec3('index_per_p', level.size);
     };
-    const setCamera = (program, q, g) => {
+    const setCamera = (program, q, g, over) => {
         const axes = axesOf(q.camera), {width, height} = q, half = q.camera.half, clips = q.clips.map(c => clipInIndex(c, data.geometry0, g));
         program.mat3('to_index', inverse(g.index_to_world));
         program.vec2('image_size', [width, height]);
@@ -62,7 +62,8 @@ const makeCaster = (context, data) => {
         for (const name of ['forward', 'right', 'up']) program.vec3(name, axes[name]);
         program.vec3('position_index', toIndex(g, q.camera.position));
         program.vec3('box_index', g.box_index);
-        program.float('step_mm', q.step * Math.min(...spacings(q.roi ? q.roi.level : g)));
+        const finest = Math.min(...[q.roi?.level ?? g, over].filter(Boolean).flatMap(spacings));
+        program.float('step_mm', q.step * finest);
         const side = g.brick_voxels;
         program.vec3('index_scale', g.isPlan ? [1 / side, 1 / side, 1 / side] : g.size.map(n => 1 / n));
         program.vec3('index_offset', g.isPlan ? [-0.5 / side, -0.5 / side, -0.5 / side] : [0, 0, 0]);
@@ -83,6 +84,7 @@ const makeCaster = (context, data) => {
         program.float('tf_scale', scalar.perTexel * entries);
         program.float('tf_offset', (level.scalar.zero - table.lo) * entries);
         program.int('tf_count', table.count);
+        program.int('labels', level.labels); // if filtered by hand
         program.vec3('voxel', g.size.map(n => 1 / n));
         program.vec3('bricks_per_volume', g.isPlan ? [1, 1, 1] : g.size.map(n => n / brickVoxels));
         if (g.isPlan) {
@@ -104,21 +106,22 @@ const makeCaster = (context, data) => {
     const bind = (unit, kind, texture) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(kind, texture); };
 
     // The program of a request, as context.program() and context.compiled() take it.
-    const programOf = (q, scalar, skip) => {
+    const programOf = (q, scalar, skip, over) => {
         const {level} = q, code = q.code ? level.codes.find(c => c.name === q.code) : null;
-        const byHand = scalar.byHand || (q.vectors && !context.floatFilter);
-        return [['code_decode.h', 'raycast.glsl'], {
+        const byHand = scalar.byHand || (over && scalarOf(over).byHand) || (q.vectors && !context.floatFilter);
+        return [['code_decode.h', 'raycast.glsl', ...over ? ['overlay.glsl'] : []], {
             DIRECTION_SOURCE: code ? 'SOURCE_CODES' : q.vectors ? 'SOURCE_VECTORS' : 'SOURCE_ON_THE_FLY',
             DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR', OUTPUT: 'OUTPUT_INTEGRAL', LIGHT_COUNT: q.lights.length,
             SPECULAR: Number((q.shading.specular ?? 0) > 0), SHADE_TABLE: 0, SKIP_EMPTY: Number(skip), SCREEN_TILE: 0,
             PREINTEGRATED: 0, EXACT: 0, ROI: Number(Boolean(q.roi)), BRICKS: Number(Boolean(level.isPlan)), TF_2D_ROWS: 0,
-            EXTINCTION_SCALE: level.share ? 'SCALE_ALONE' : 'SCALE_NONE', SCALAR_WITH_DIRECTIONS: 0, PAGES: 1, FILTERED_BY_HAND: byHand ? 1 : undefined,
+            EXTINCTION_SCALE: level.share ? 'SCALE_ALONE' : 'SCALE_NONE', SCALAR_WITH_DIRECTIONS: 0, PAGES: 1, FILTERED_BY_HAND: byHand ? 1 : undefined, OVERLAY: over ? 1 : undefined,
         }];
     };
-    // A brick may be empty in one level of two only.
-    const skips = q => !q.roi && tableOf(q.level, q.tf, q.adapted, q.table).skip;
+    const overOf = q => shownOverlay(context, data.overlay?.level, q.overlay);
+    // A brick may be empty in one of two levels or volumes only.
+    const skips = q => !q.roi && !overOf(q) && tableOf(q.level, q.tf, q.adapted, q.table).skip;
     // Resolves when the program of a request is compiled.
-    const compiled = q => context.compiled(...programOf(q, scalarOf(q.level), skips(q)));
+    const compiled = q => context.compiled(...programOf(q, scalarOf(q.level), skips(q), overOf(q)));
     // Uploads a level's textures before they are needed, in steps. The level is not shown yet.
     const prepare = async (level, numbers, codeName) => {
         const {begun} = context, code = level.codes.find(c => c.name === codeName);
@@ -135,9 +138,9 @@ const makeCaster = (context, data) => {
         const table = tableOf(level, q.tf, q.adapted, q.table), skip = skips(q);
         const vectors = q.vectors ? level.vectorTexture ??= uploadVectors(context, level) : null;
         const fine = q.roi ? {scalar: scalarOf(q.roi.level), code: codeOf(q.roi.level, q.code), table: tableOf(q.roi.level, q.tf, q.adapted && q.roi.level.level > 0)} : null;
-        const program = context.program(...programOf(q, scalar, skip));
+        const over = overOf(q), program = context.program(...programOf(q, scalar, skip, over));
         program.use();
-        setCamera(program, {...q, width: target.width, height: q.height ?? target.height}, level);
+        setCamera(program, {...q, width: target.width, height: q.height ?? target.height}, level, over);
         setField(program, level, scalar, code, table);
         bind(0, gl.TEXTURE_3D, scalar.texture);
         bind(1, gl.TEXTURE_2D, table.texture);
@@ -146,6 +149,11 @@ const makeCaster = (context, data) => {
         if (skip) bind(3, gl.TEXTURE_3D, table.occupancy);
         if (level.share) bind(8, gl.TEXTURE_3D, level.shareTexture ??= uploadShare(context, level));
         if (level.isPlan) bind(7, gl.TEXTURE_3D, level.layoutTexture ??= uploadLayout(context, level));
+        if (over) {
+            setOverlay(program, q.camera, over, scalarOf(over));
+            bind(11, gl.TEXTURE_3D, over.scalarTexture.texture);
+            bind(12, gl.TEXTURE_2D, over.table.texture);
+        }
         if (fine) {
             setRoi(program, q, fine.scalar, fine.table);
             bind(4, gl.TEXTURE_3D, fine.scalar.texture);
@@ -171,6 +179,8 @@ const makeCaster = (context, data) => {
             for (const t of [l.scalarTexture, ...l.codes.map(c => c.texture)]) if (t) gl.deleteTexture(t.texture);
             if (l.layoutTexture) gl.deleteTexture(l.layoutTexture);
             if (l.shareTexture) gl.deleteTexture(l.shareTexture);
+            if (l.table) gl.deleteTexture(l.table.texture);
+            l.table = l.tableKey = undefined;
             l.scalarTexture = l.layoutTexture = l.shareTexture = undefined;
             for (const code of l.codes) code.texture = undefined;
         }

@@ -99,12 +99,10 @@ iso_status iso_contents_add_array(iso_contents *contents, const char *name, cons
     return ISO_OK;
 }
 
-static iso_status add_scalar(const iso_viewer *v, size_t k, iso_contents *contents, json_t *json, iso_error *err)
+static iso_status add_scalar(const iso_level *level, bool floats, const char *name, iso_contents *contents,
+                             json_t *json, iso_error *err)
 {
-    const iso_level *level = &v->pyramid->levels[k];
-    const scalar_form f = form_of(level, v->floats);
-    char name[48];
-    snprintf(name, sizeof name, "level-%zu-scalar", k);
+    const scalar_form f = form_of(level, floats);
     json_t *scalar = json_pack("{s:s, s:f, s:f}", "kind", f.kind, "zero", f.zero, "step", f.step);
     json_object_set_new(json, "scalar", scalar);
     if (strcmp(f.kind, "quantized") == 0)
@@ -259,20 +257,38 @@ static json_t *geometry_json(const iso_geometry *g)
                      "box_index", iso_json_numbers(g->box_index, 3));
 }
 
+static json_t *level_json(const iso_level *level, size_t k)
+{
+    json_t *json = geometry_json(&level->geometry);
+    json_object_update_new(json, json_pack("{s:I, s:f, s:f, s:b}", "level", (json_int_t)k, "min", level->min, "max",
+                                           level->max, "labels", level->labels));
+    return json;
+}
+
 static iso_status add_level(const iso_viewer *v, size_t k, iso_small_views_fine *kept, iso_contents *contents,
                             json_t *list, iso_error *err)
 {
     const iso_level *level = &v->pyramid->levels[k];
-    json_t *json = geometry_json(&level->geometry);
-    json_object_update_new(json, json_pack("{s:I, s:f, s:f, s:b}", "level", (json_int_t)k, "min", level->min, "max",
-                                           level->max, "labels", level->labels));
+    json_t *json = level_json(level, k);
+    char name[48];
+    snprintf(name, sizeof name, "level-%zu-scalar", k);
     json_array_append_new(list, json);
-    iso_status status = add_scalar(v, k, contents, json, err);
+    iso_status status = add_scalar(level, v->floats, name, contents, json, err);
     TRY(status, add_share(v, k, contents, json, err));
     TRY(status, add_codes(v, k, contents, json, err));
     TRY(status, add_joint(v, k, contents, json, err));
     TRY(status, add_errors(v, k, kept, json, err));
     return status;
+}
+
+/* Adds the second volume, without directions. */
+static iso_status add_overlay(const iso_viewer *v, iso_contents *contents, iso_error *err)
+{
+    json_t *json = level_json(v->overlay, 0);
+    json_object_set_new(json, "codes", json_array());
+    json_object_set_new(json, "has_no_data", json_boolean(v->overlay->geometry.has_no_data));
+    json_object_set_new(contents->root, "overlay", json_pack("{s:s, s:o}", "name", v->overlay_title, "level", json));
+    return add_scalar(v->overlay, v->floats, "overlay-scalar", contents, json, err);
 }
 
 /* ---- presets of transfer functions ------------------------------------------------------------------------------- */
@@ -327,6 +343,8 @@ iso_status iso_contents_make(const iso_viewer *v, const iso_progress *progress, 
         contents->first_count = n == v->last ? contents->count : contents->first_count;
     }
     iso_small_views_fine_destroy(&kept);
+    if (status == ISO_OK && v->overlay)
+        status = add_overlay(v, contents, err);
     if (status == ISO_OK && v->plan)
         status = iso_contents_add_plan(v, contents, err);
     if (status != ISO_OK)

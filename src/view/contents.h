@@ -7,7 +7,7 @@
 #include "view/pack.h"
 #include "view/viewer.h"
 
-enum { ISO_VIEWER_LEVELS = 16, ISO_VIEWER_ARRAYS = ISO_VIEWER_LEVELS * (ISO_VIEWER_CODES + 3) + 3 };
+enum { ISO_VIEWER_LEVELS = 16, ISO_VIEWER_ARRAYS = ISO_VIEWER_LEVELS * (ISO_VIEWER_CODES + 3) + 4 };
 
 typedef struct iso_contents {
     json_t *root; /* owned */

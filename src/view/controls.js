@@ -71,8 +71,8 @@ const makeControls = (data, state, frames, editor, page) => {
             labeled(`directions${side}`, directions), row, cost,
         ];
     };
-    const [{steps, shownStep}] = data.levels;
-    const time = () => slider('time step', {min: 0, max: steps - 1, step: 1, value: shownStep ?? 0}, v => data.toStep(v));
+    const [{steps, shownStep, firstStep = 0}] = data.levels;
+    const time = () => slider('time step', {min: firstStep, max: firstStep + steps - 1, step: 1, value: shownStep ?? firstStep}, v => data.toStep(v));
     const drawWhat = () => refill($('what'), ...(steps > 1 ? [time()] : []), ...what('', state));
 
     const presets = [['scene', 'of the scene'], ...data.presets.map(p => [p.name, p.name]), ['edited', 'edited']];
@@ -208,9 +208,12 @@ const makeControls = (data, state, frames, editor, page) => {
     const sceneNow = () => { const [w, h] = pictureSize(); return sceneJson(data, state, frames.camera(w / h), w, h); };
     $('save-scene').onclick = () => saveJson('scene.json', sceneNow());
     $('save-tf').onclick = () => saveJson('tf.json', tfJson(data, state));
-    // Only arrays as `isoshade view` packed them are written again.
-    $('save-page').disabled = data.levels.some(l => !l.scalar.text);
-    $('save-page').onclick = () => saveBlob(`${baseName(data)}.html`, page(data, state));
+    $('save-page').disabled = data.levels.some(l => !l.numbers);
+    $('save-page').onclick = async () => {
+        try {
+            saveBlob(`${baseName(data)}.html`, await page(data, state));
+        } catch (problem) { say(problem.message); }
+    };
     if (!$('save-width').value) $('save-width').value = frames.size()[0];
     $('save-picture').onclick = async () => {
         const width = clamp(Math.round(Number($('save-width').value)) || frames.size()[0], 16, 16384);

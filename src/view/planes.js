@@ -64,23 +64,6 @@ const colorsOf = (tf, level, valueRange) => {
     return {rgba, min, step, last: count - 1};
 };
 
-// An opened file over the slices, with a transfer function of its own: integers from 0 to 255 have a hue each, like
-// labels, and 0 is clear; other values glow from red to white over a range, and are clear below it.
-const overlayOf = (level, name) => {
-    const isLabels = level.scalar.kind === 'integer' && level.min === 0 && level.max <= 255;
-    return {level, name, isLabels, range: usualWindow(level), cover: 0.6};
-};
-const overlayColors = ({level, isLabels, range: [lo, hi]}) => {
-    const glow = [[1, 0, 0], [1, 0.5, 0], [1, 1, 0], [1, 1, 1]], wave = h => clamp(Math.abs((h % 6) - 3) - 1, 0, 1);
-    const hue = value => [0, 4, 2].map(turn => toLinear(wave(value * 2.2918 + turn))); // a golden angle from one to the next
-    const points = isLabels
-        ? Array.from({length: level.max + 1}, (_, value) => ({value, rgb: hue(value), opacity: Number(value > 0)}))
-        : [{value: lo, rgb: glow[0], opacity: 0}, ...glow.map((rgb, i) => ({value: lo + i / 3 * (hi - lo), rgb, opacity: 1}))];
-    const range = [level.min, level.max];
-    const tf = {range, points: points.map(({value, rgb: [r, g, b], opacity}) => ({value, r, g, b, opacity}))};
-    return colorsOf(tf, level, range);
-};
-
 // Paints a layer on the pixels of a plane: of another grid it takes the voxel at each pixel's center. With a window it
 // replaces pixels by gray; its colors cover them.
 const paintLayer = (pixels, plane, index, {level, window, colors, cover}) => {

@@ -37,18 +37,61 @@ const pictureBlob = async (frames, width, told) => {
 // The page's parts as they were before the script changed them. A saved page holds them, the data, and the state.
 const keepPage = () => {
     const partOf = selector => document.querySelector(selector).outerHTML;
-    const script = document.currentScript.outerHTML, parts = ['noscript', '#shaders', '#data'].map(partOf).join('\n');
+    const script = document.currentScript.outerHTML, parts = ['noscript', '#shaders'].map(partOf).join('\n');
+    const dataText = document.getElementById('data').textContent;
     const before = `\x3c!doctype html>\n\x3c!-- SPDX-License-Identifier: MIT -->\n\x3chtml lang="en">\n${partOf('head')}\n\x3cbody>\n`
         + `${partOf('main')}\n${parts}\n`;
-    return (data, state) => {
+    return async (data, state) => {
         const arrays = l => [l.scalar, ...l.codes, l.share, l.joint, l.layout].filter(Boolean);
-        const [first, ...others] = data.levels.map(arrays);
+        const isPacked = data.levels.every(l => l.scalar.text && !l.held);
+        const json = isPacked ? JSON.parse(dataText) : {...data, geometry0: undefined, plan: undefined, levels: [await packedLevel(data.levels[0])]};
+        json.overlay = data.overlay ? {name: data.overlay.name, level: await packedLevel(data.overlay.level, 'overlay-scalar')} : undefined;
+        json.geometry = isPacked ? json.geometry : json.levels[0];
+        const [first, ...others] = (isPacked ? data.levels : json.levels).map(arrays);
+        others.push(...json.levels[0].held?.map(arrays) ?? [], ...json.overlay ? [[json.overlay.level.scalar]] : []);
         // \x3c: the parser of HTML looks for elements in this script, too.
         const held = (attributes, text) => [`\x3cscript ${attributes}>`, text, '\x3c/script>\n'];
         const elements = list => list.flatMap(d => held(`type="text/plain" id="${d.array}"`, d.text));
-        return new Blob([before, ...held('type="application/json" id="state"', JSON.stringify(state).replace(/</g, '\\u003c')),
+        const asText = value => JSON.stringify(value, (key, v) => key === 'text' ? undefined : v).replace(/</g, '\\u003c');
+        return new Blob([before, ...held('type="application/json" id="data"', asText(json)),
+            ...held('type="application/json" id="state"', asText(state)),
             ...elements(first), script, '\n', ...elements(others.flat()), '\x3c/body>\n\x3c/html>\n'], {type: 'text/html'});
     };
+};
+// Numbers as pack.h writes them: the bytes of each weight together, deflated, in base64. They have one component.
+const packedArray = async (numbers, array) => {
+    const count = numbers.length, bytes = numbers.BYTES_PER_ELEMENT, planes = new Uint8Array(count * bytes);
+    const all = new Uint8Array(numbers.buffer, numbers.byteOffset, planes.length); // of a little-endian machine
+    for (let w = 0, at = 0; w < bytes; ++w) for (let i = w; i < all.length; i += bytes) planes[at++] = all[i];
+    const packed = await through(planes, new CompressionStream('deflate')), parts = [], most = 3 * 2 ** 13;
+    for (let at = 0; at < packed.length; at += most) parts.push(btoa(String.fromCharCode(...packed.subarray(at, at + most))));
+    return {array, count, components: 1, bytes, delta: false, packed: packed.length, text: new Blob(parts)};
+};
+const packedScalar = async ({scalar: {kind, zero, step, ...rest}, numbers}, name) =>
+    ({kind, zero, step, ...rest.text ? {...rest, array: name} : await packedArray(numbers, name)});
+// A level of one scalar for a saved page, with the time steps that fit: those after the shown one, then those before it.
+const mostHeldBytes = 5e8;
+const packedLevel = async (level, name = 'level-0-scalar') => {
+    const {size, index_to_world, origin_mm, box_index, min, max, labels, has_no_data, value_unit} = level;
+    const scalar = await packedScalar(level, name), steps = level.steps ?? 1, shown = level.shownStep ?? level.firstStep ?? 0;
+    const first = level.firstStep ?? 0, last = first + steps - 1, held = [];
+    let bytes = scalar.packed;
+    const hold = async n => {
+        const {numbers, scalar: form, ...about} = await level.readStep(n);
+        const packed = await packedScalar({scalar: form, numbers}, `step-${n}`);
+        bytes += packed.packed;
+        if (bytes > mostHeldBytes) return false;
+        const {min: lo, max: hi, window, has_no_data: gaps} = about;
+        held.push({step: n, min: lo, max: hi, window, has_no_data: gaps, codes: [], scalar: packed});
+        return true;
+    };
+    let fits = steps > 1;
+    for (let n = shown; fits && n <= last; ++n) fits = await hold(n);
+    for (let n = shown - 1; fits && n >= first; --n) fits = await hold(n);
+    held.sort((a, b) => a.step - b.step);
+    const kept = held.length ? {held, steps: held.length, firstStep: held[0].step, shownStep: shown} : {};
+    if (held.length < steps && steps > 1) say(`The saved page has time steps ${held[0].step} to ${held.at(-1).step}, which fit, of ${first} to ${last}.`);
+    return {size, index_to_world, origin_mm, box_index, level: 0, min, max, labels, has_no_data, value_unit, codes: [], scalar, ...kept};
 };
 
 // ---- the state ----
@@ -58,7 +101,7 @@ const isPlain = v => v === null || ['boolean', 'string'].includes(typeof v) || N
 const sameKind = (a, b) => b !== null && Array.isArray(a) === Array.isArray(b) && typeof a === typeof b;
 // Takes a kept state over. Throws if it is none of this page.
 const restore = (state, kept) => {
-    const may = {edited: true, roi: true, code: true, measure: true, window: true}; // null or a value
+    const may = {edited: true, roi: true, code: true, measure: true, window: true, overlay: true}; // null or a value
     const fits = key => key in kept && (may[key] || sameKind(state[key], kept[key]));
     const belongs = isPlain(kept) && kept && Object.keys(state).every(fits) && kept.tf.points?.length > 0;
     if (!belongs || kept.lights.length > 8 || kept.clips.length > 6 || !(kept.step >= 0.1))

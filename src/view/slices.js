@@ -56,8 +56,8 @@ const makeCell = on => {
     return {root, canvas, svg, name, letters, plane};
 };
 
-// tableAt(level, request): the transfer function as a table. worker: reads files.
-const makeSlices = (root, data, state, tableAt, worker, moved) => {
+// caster.tableAt(level, request): the transfer function as a table. worker: reads files of at most `most` voxels a side.
+const makeSlices = (root, data, state, {caster, frames, worker, most}, moved) => {
     const $ = id => document.getElementById(id);
     let drawn = '', hovered = null;
     const shown = () => { // the level of the picture, or the finest one that is read if that is in bricks
@@ -134,8 +134,8 @@ const makeSlices = (root, data, state, tableAt, worker, moved) => {
 
     const layersOf = level => {
         const colors = state.colors ? colorsOf(state.tf, level, data.value_range) : null;
-        const own = {level, window: level.labels ? null : windowNow(), colors, cover: 1}, over = data.overlay;
-        return over ? [own, {level: over.level, colors: overlayColors(over), cover: over.cover}] : [own];
+        const own = {level, window: level.labels ? null : windowNow(), colors, cover: 1};
+        return data.overlay && state.overlay ? [own, overlayLayer(data.overlay.level, state.overlay)] : [own];
     };
     const drawPlane = (n, level, layers) => {
         const plane = planeNow(n), {canvas, svg, name, letters} = cells[n], {width, height} = plane;
@@ -163,9 +163,8 @@ const makeSlices = (root, data, state, tableAt, worker, moved) => {
         $('readout').hidden = !state.slices && !state.measure;
         tell();
         if (!state.slices) return;
-        const level = shown(), {cross, measure, neurological, colors, tf} = state;
-        const over = data.overlay && [data.overlay.name, data.overlay.range, data.overlay.cover];
-        const look = [windowNow(), measure, neurological, colors && tf, over];
+        const level = shown(), {cross, measure, neurological, colors, tf, overlay} = state;
+        const look = [windowNow(), measure, neurological, colors && tf, data.overlay?.name, overlay];
         const key = JSON.stringify([data.title, level.level, level.shownStep, cross, look]);
         if (key === drawn) return;
         drawn = key;
@@ -183,6 +182,17 @@ const makeSlices = (root, data, state, tableAt, worker, moved) => {
         });
         return row;
     };
+    // The picture follows, too.
+    const openOver = file => takeFile(file, async chosen => {
+        const level = await openFile(worker, chosen, most), old = data.overlay;
+        await frames.settled();
+        if (old) caster.forget([old.level]);
+        level.labels = isLabelLevel(level);
+        data.overlay = {level, name: chosen.name};
+        state.overlay = overlaySettings();
+        panel();
+        frames.ask();
+    });
     const endMeasuring = () => {
         state.measure = null;
         panel();
@@ -206,30 +216,9 @@ const makeSlices = (root, data, state, tableAt, worker, moved) => {
         refill($('slicing'), bound(`black${inUnit(data)}`, 0), bound(`white${inUnit(data)}`, 1),
             check('colors of the transfer function', 'colors'),
             ...(data.is_patient ? [check("the patient's right at the right", 'neurological')] : []),
-            element('div', {className: 'buttons'}, measure), ...overlayPanel());
+            element('div', {className: 'buttons'}, measure));
+        refill($('overlay'), ...overlayPanel(data, state, openOver, frames.ask, panel));
         tell();
-    };
-    // A second volume, in colors of its own.
-    const overlayPanel = () => {
-        const over = data.overlay, file = element('input', {type: 'file', accept: '.nrrd,.nii,.gz'});
-        file.addEventListener('change', () => takeFile(file.files[0], async chosen => {
-            data.overlay = overlayOf(await openFile(worker, chosen, Infinity), chosen.name);
-            state.slices = true;
-            panel();
-            moved();
-        }));
-        const set = change => {
-            Object.assign(over, change);
-            moved();
-        };
-        const {min, max} = over?.level ?? {}, limits = {min, max, step: 'any'};
-        return [labeled(over?.name ?? 'file over them', file), ...(over ? [
-            slider('cover', {min: 0, max: 1, step: 0.01, value: over.cover}, cover => set({cover})),
-            ...(over.isLabels ? [] : [
-                slider('clear below', {...limits, value: over.range[0]}, v => set({range: [v, over.range[1]]})),
-                slider('white from', {...limits, value: over.range[1]}, v => set({range: [over.range[0], v]})),
-            ]),
-        ] : [])];
     };
     $('slices').onclick = () => {
         state.slices = !state.slices;
@@ -244,7 +233,7 @@ const makeSlices = (root, data, state, tableAt, worker, moved) => {
     // Takes the point under a pixel of the picture as an end of a length.
     const pick = (camera, aspect, place) => {
         const q = {...requestOf(data, state, 'a'), camera}, level = shown();
-        return pickedPoint(q, level, tableAt(level, q), data.geometry0, aspect, place);
+        return pickedPoint(q, level, caster.tableOf(level, q.tf, q.adapted && level.level > 0), data.geometry0, aspect, place);
     };
     const clicked = (camera, aspect, place) => {
         const point = state.measure && pick(camera, aspect, place);

@@ -16,10 +16,15 @@ const start = async () => {
     $('settings').onclick = togglePanel;
     // Levels come coarsest first; level 0's geometry is that of the volume even if its voxels are left out.
     data.geometry0 = data.geometry;
+    const showTitle = () => {
+        $('title').textContent = document.title = data.title;
+        canvas.setAttribute('aria-label', `${data.title}, ${canvas.getAttribute('aria-label').split(', ').slice(1).join(', ')}`);
+    };
+    if ($('title').textContent !== data.title) showTitle();
     if (data.plan) data.levels.push(levelOfPlan(data.plan, data.geometry0));
     const context = await makeContext(canvas);
     if (!context) { say('This browser has no WebGL2, or it is switched off: the volume cannot be drawn here.'); return; }
-    const state = makeState(data), caster = makeCaster(context, data);
+    const state = makeState(data), held = data.overlay, caster = makeCaster(context, data);
     const packed = () => data.levels.flatMap(l => [l.scalar, ...l.codes, l.share, l.joint, l.layout].filter(Boolean)).reduce((sum, d) => sum + d.packed, 0);
     const pageBytes = packed() * 4 / 3 + 16e4; // base64; the page itself
     let controls = null, outline = null, slices = null, edits = null, noted = 0;
@@ -45,12 +50,28 @@ const start = async () => {
     const editor = makeEditor($('editor'), data, state, moving => { controls?.showPreset(); frames.ask(moving); });
 
     const read = (d, size) => readArray(worker, d, size);
+    data.overlay = null; // until it is read
+    const readOverlay = async () => {
+        const {numbers, ranges} = await read(held.level.scalar, held.level.size);
+        await caster.prepare(held.level, numbers, null);
+        Object.assign(held.level, {numbers, ranges});
+        data.overlay ??= held;
+        slices.panel();
+        frames.ask();
+        await frames.settled();
+    };
+    const readStep = async (level, n) => {
+        const {step, scalar, ...about} = level.held[n - level.firstStep];
+        scalar.text ??= await takeText($(scalar.array));
+        return {...about, scalar, ...await worker.run('decode', scalar.text, {...scalar, text: undefined, size: level.size})};
+    };
     const readLevel = async level => {
         if (level.isPlan) return readPlan(level, read);
         const {numbers, ranges} = await read(level.scalar, level.size);
         for (const code of level.codes) code.numbers = (await read(code)).numbers;
         if (level.share) level.share.numbers = (await read(level.share)).numbers;
         if (level.joint) level.adapter = makeAdapter((await read(level.joint)).numbers, level.joint);
+        if (level.held) level.readStep = n => readStep(level, n);
         await caster.prepare(level, numbers, state.code);
         Object.assign(level, {numbers, ranges}); // shown from now on
     };
@@ -61,15 +82,14 @@ const start = async () => {
     });
     canvas.addEventListener('webglcontextrestored', () => {
         context.begin();
-        caster.forget(data.levels);
+        caster.forget([...data.levels, ...data.overlay ? [data.overlay.level] : []]);
         frames.forget();
         say('');
         frames.ask();
     });
     await readLevel(data.levels[0]);
-    const tableAt = (level, q) => caster.tableOf(level, q.tf, q.adapted && level.level > 0);
     const moved = () => { outline(); slices.draw(); noteSoon(); };
-    slices = makeSlices(canvas.closest('.frame'), data, state, tableAt, worker, moved);
+    slices = makeSlices(canvas.closest('.frame'), data, state, {caster, frames, worker, most: context.most}, moved);
     // Escape leaves one thing after the other, the topmost first; the keyboard goes back to where that was opened.
     addEventListener('keydown', e => {
         if (e.key !== 'Escape' || e.defaultPrevented) return;
@@ -125,19 +145,23 @@ const start = async () => {
     new ResizeObserver(() => frames.ask()).observe(canvas);
     // For tests and `validate`.
     window.isoshade = {data, state, frames, editor, controls, context, caster, edits, page, slices, worker};
-    acceptFiles(canvas.closest('.frame'), $('open'), async file => {
-        const level = await openFile(worker, file, context.most), old = data.levels;
-        await caster.prepare(level, level.numbers, null);
-        await frames.settled();
-        caster.forget(old);
+    const followSteps = level => {
         data.toStep = async step => {
             await frames.settled();
             await changeStep(data, state, caster, step);
             editor.count(level);
             frames.ask();
         };
+    };
+    if (data.levels[0].held) followSteps(data.levels[0]);
+    acceptFiles(canvas.closest('.frame'), $('open'), async file => {
+        const level = await openFile(worker, file, context.most), old = data.levels;
+        await caster.prepare(level, level.numbers, null);
+        await frames.settled();
+        caster.forget(old);
+        followSteps(level);
         replaceVolume(data, state, level, file.name);
-        $('title').textContent = document.title = file.name;
+        showTitle();
         controls = makeControls(data, state, frames, editor, page);
         edits = makeHistory(data, state, showState);
         editor.count(level);
@@ -155,6 +179,7 @@ const start = async () => {
         frames.ask();
         await frames.settled();
     }
+    if (held) await readOverlay();
     editor.count(data.levels.findLast(l => !l.isPlan));
     $('save-page').disabled = false;
     document.documentElement.dataset.ready = 'yes';

@@ -12,6 +12,7 @@ const makeState = data => {
         window: null, // the usual one
         measure: null, // or up to two points in mm
         edited: null, // the transfer function that was edited last
+        overlay: data.overlay ? overlaySettings() : null, // the settings of the second volume
         roi: null, compare: 'none', line: 0.5, amplified: 10, b: {level: data.levels[0].level, code: data.codes[0] ?? null, adapted: false},
     };
 };
@@ -20,10 +21,10 @@ const makeState = data => {
 const requestOf = (data, state, side) => {
     const wanted = side === 'b' ? state.b : state, ready = data.levels.filter(l => l.numbers);
     const level = ready.find(l => l.level === wanted.level) || ready.reduce((best, l) => Math.abs(l.level - wanted.level) < Math.abs(best.level - wanted.level) ? l : best);
-    const {tf, lights, shading, background, clips, step} = state, inside = state.roi && ready.find(l => l.level === state.roi.level);
+    const {tf, lights, shading, background, clips, step, overlay} = state, inside = state.roi && ready.find(l => l.level === state.roi.level);
     const roi = inside && inside.level < level.level && wanted.code !== null ? {...state.roi, level: inside} : null;
-    if (level.isPlan) return {level, code: level.codes[0].name, adapted: false, tf, lights, shading, background, clips, step, roi: null};
-    return {level, code: wanted.code, adapted: wanted.adapted && level.level > 0, tf, lights, shading, background, clips, step, roi};
+    if (level.isPlan) return {level, code: level.codes[0].name, adapted: false, tf, lights, shading, background, clips, step, overlay, roi: null};
+    return {level, code: wanted.code, adapted: wanted.adapted && level.level > 0, tf, lights, shading, background, clips, step, overlay, roi};
 };
 
 const number = x => Number(x.toPrecision(9));

@@ -31,6 +31,7 @@ ISO_EMBED(iso_viewer_frames_js, "src/view/frames.js");
 ISO_EMBED(iso_viewer_state_js, "src/view/state.js");
 ISO_EMBED(iso_viewer_orbit_js, "src/view/orbit.js");
 ISO_EMBED(iso_viewer_planes_js, "src/view/planes.js");
+ISO_EMBED(iso_viewer_overlay_js, "src/view/overlay.js");
 ISO_EMBED(iso_viewer_pick_js, "src/view/pick.js");
 ISO_EMBED(iso_viewer_slices_js, "src/view/slices.js");
 ISO_EMBED(iso_viewer_outline_js, "src/view/outline.js");
@@ -53,6 +54,7 @@ ISO_EMBED(iso_viewer_raycast_glsl, "src/render/gl/shaders/raycast.glsl");
 ISO_EMBED(iso_viewer_roi_glsl, "src/render/gl/shaders/roi.glsl");
 ISO_EMBED(iso_viewer_variants_glsl, "src/render/gl/shaders/variants.h");
 ISO_EMBED(iso_viewer_display_glsl, "src/view/display.glsl");
+ISO_EMBED(iso_viewer_overlay_glsl, "src/view/overlay.glsl");
 
 static const struct {
     const char *name, *text;
@@ -61,7 +63,7 @@ static const struct {
     {"fullscreen.glsl", iso_viewer_fullscreen_glsl}, {"probe.glsl", iso_viewer_probe_glsl},
     {"raycast.glsl", iso_viewer_raycast_glsl},      {"roi.glsl", iso_viewer_roi_glsl},
     {"variants.h", iso_viewer_variants_glsl},       {"held.glsl", iso_viewer_held_glsl},
-    {"display.glsl", iso_viewer_display_glsl},
+    {"display.glsl", iso_viewer_display_glsl},      {"overlay.glsl", iso_viewer_overlay_glsl},
 };
 
 /* Writes source text without indentation and lines of comments, a sixth of it. No string in it has several lines. */
@@ -85,7 +87,7 @@ static void put_script(FILE *f)
         iso_viewer_vectors_js, iso_viewer_arrays_js, iso_viewer_camera_js, iso_viewer_transfer_js,
         iso_viewer_adapt_js, iso_viewer_occupancy_js, iso_viewer_context_js, iso_viewer_textures_js,
         iso_viewer_bricks_js, iso_viewer_caster_js, iso_viewer_frames_js, iso_viewer_state_js, iso_viewer_orbit_js,
-        iso_viewer_planes_js, iso_viewer_outline_js, iso_viewer_editor_js, iso_viewer_save_js, iso_viewer_controls_js,
+        iso_viewer_planes_js, iso_viewer_overlay_js, iso_viewer_outline_js, iso_viewer_editor_js, iso_viewer_save_js, iso_viewer_controls_js,
         iso_viewer_pick_js, iso_viewer_slices_js, iso_viewer_open_samples_js, iso_viewer_open_nrrd_js, iso_viewer_open_nifti_js,
         iso_viewer_open_js, iso_viewer_start_js,
     };

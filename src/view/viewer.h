@@ -38,6 +38,8 @@ typedef struct iso_viewer {
     size_t code_count;       /* codes of the page; those other than the pyramid's need its floats */
     iso_code codes[ISO_VIEWER_CODES];
     const iso_viewer_plan *plan; /* replaces level 0, next to levels first to last; or NULL */
+    const iso_level *overlay;    /* second volume in the same picture; or NULL */
+    const char *overlay_title;
     bool floats;             /* True to keep floats without quantization */
     bool errors;             /* True to add the error of each coarse level against level 0; false: of the finest only */
     bool compact;            /* True if the page starts with the picture alone, its panel one button away */

@@ -23,6 +23,7 @@
 //     TRANSITION                 with BRICKS whose samples lie inside them (isoshade-lab); otherwise undefined
 //     FILTERED_BY_HAND           textures are filtered here, in float: where the texture unit weighs texels coarsely, or does
 //                                not filter floats (WebGL2 on some telephones); otherwise undefined
+//     OVERLAY                    a second volume: view/overlay.glsl follows this file; otherwise undefined
 // In WebGL2 es.glsl stands before this file: doubles are floats there, and the rests that they leave are 0.
 #include "variants.h"
 
@@ -102,39 +103,60 @@ struct Ray {
     vec3 start, stride; // p in the first segment's middle; a segment further
     vec3 start_rest, stride_rest; // what float leaves of them: a hundred segments on it would be 1e-5 voxels
     float first_cut;    // part of the first segment that the box cuts off, in segments
+    float number;       // of the first segment, counted from the camera
     float length;       // segments to the end of the box, counted from where the first one begins
     float from, to;     // the range that can show anything, in segments
     vec3 world;         // unit direction
 };
 
-Ray pixel_ray()
+// A straight line through a grid.
+struct Line {
+    dvec3 origin, direction; // in voxels, and per mm
+    dvec3 world;             // unit direction
+};
+
+Line pixel_line(dmat3 to_index, dvec3 position_index)
 {
     // Row 0 is the top of the image and the first row of the target.
     dvec2 twice = 2.0 * (dvec2(gl_FragCoord.xy) + first_pixel);
     dvec2 p = (twice - image_size) / image_size * dvec2(half_image.x, -half_image.y);
     dvec3 offset = p.x * right + p.y * up;
     dvec3 world = orthographic ? forward : (forward + offset) / sqrt(1.0 + dot(p, p));
-    dvec3 origin = orthographic ? position_index + to_index * offset : position_index;
-    dvec3 direction = to_index * world;
+    return Line(orthographic ? position_index + to_index * offset : position_index, to_index * world, world);
+}
 
+// The part of a line that lies in a box [0, box_index] in front of the camera, in mm from the camera.
+dvec2 part_inside(Line line, dvec3 box_index)
+{
     dvec3 least = dvec3(1e-20 / step_mm); // of a voxel, in a step: any unit of length has it
-    dvec3 safe = mix(direction, least, lessThan(abs(direction), least));
-    dvec3 a = -origin / safe, b = (box_index - origin) / safe, near = min(a, b), far = max(a, b);
-    double t0 = max(max(near.x, near.y), max(near.z, 0.0)), t1 = min(min(far.x, far.y), far.z);
-    for (int i = 0; i < clip_count; ++i) {
-        double above = dot(clip_planes[i].xyz, origin) - clip_planes[i].w, rate = dot(clip_planes[i].xyz, direction);
-        if (rate > 0.0)
-            t0 = max(t0, -above / rate);
-        else if (rate < 0.0)
-            t1 = min(t1, -above / rate);
-        else if (above < 0.0)
-            t1 = t0;
-    }
-    double first = floor(t0 / step_mm);
+    dvec3 safe = mix(line.direction, least, lessThan(abs(line.direction), least));
+    dvec3 a = -line.origin / safe, b = (box_index - line.origin) / safe, near = min(a, b), far = max(a, b);
+    return dvec2(max(max(near.x, near.y), max(near.z, 0.0)), min(min(far.x, far.y), far.z));
+}
 
+// The part that the clip planes leave.
+dvec2 part_kept(Line line, dvec2 part)
+{
+    for (int i = 0; i < clip_count; ++i) {
+        double above = dot(clip_planes[i].xyz, line.origin) - clip_planes[i].w;
+        double rate = dot(clip_planes[i].xyz, line.direction);
+        if (rate > 0.0)
+            part.x = max(part.x, -above / rate);
+        else if (rate < 0.0)
+            part.y = min(part.y, -above / rate);
+        else if (above < 0.0)
+            part.y = part.x;
+    }
+    return part;
+}
+
+Ray ray_along(Line line, dvec2 part, dvec3 index_scale, dvec3 index_offset)
+{
+    double t0 = part.x, t1 = part.y, first = floor(t0 / step_mm);
     Ray ray;
-    dvec3 start = (origin + (first + 0.5) * step_mm * direction) * index_scale + index_offset;
-    dvec3 stride = step_mm * direction * index_scale;
+    dvec3 start = (line.origin + (first + 0.5) * step_mm * line.direction) * index_scale + index_offset;
+    dvec3 stride = step_mm * line.direction * index_scale;
+    ray.number = float(first);
     ray.start = vec3(start);
     ray.stride = vec3(stride);
     ray.start_rest = vec3(start - dvec3(ray.start));
@@ -152,8 +174,14 @@ Ray pixel_ray()
     ray.from = max(float(shown.x), 0.0);
     ray.to = min(float(shown.y) + 1.0, ray.length);
 #endif
-    ray.world = vec3(world);
+    ray.world = vec3(line.world);
     return ray;
+}
+
+Ray pixel_ray()
+{
+    Line line = pixel_line(to_index, position_index);
+    return ray_along(line, part_kept(line, part_inside(line, box_index)), index_scale, index_offset);
 }
 
 struct Segment {
@@ -531,7 +559,7 @@ vec3[LIGHT_COUNT + 1] halfway_to(vec3 ray_direction)
 #include "first_hit.glsl"
 #elif ROI
 #include "roi.glsl"
-#else
+#elif !defined OVERLAY
 void main()
 {
     hold_uniforms();

@@ -55,6 +55,7 @@ vec4 emission_at(vec3 p, vec3 halfway[LIGHT_COUNT + 1])
     return sum;
 }
 
+#ifndef OVERLAY
 void main()
 {
     hold_uniforms();
@@ -72,3 +73,4 @@ void main()
     }
     color = vec4(sum + transmittance * background, 1.0 - transmittance);
 }
+#endif
