@@ -68,8 +68,9 @@ all_true picked 7
 for at in near:4 far:9000; do # along y, which the picture is against
     "$python" - "${at%:*}.nrrd" "${at#*:}" <<'END'
 import sys
-head = "NRRD0004\ntype: float\ndimension: 3\nspace dimension: 3\nsizes: 10 10 10\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n" \
-       f"space origin: (-4.5,{float(sys.argv[2]) - 4.5},-4.5)\nendian: little\nencoding: raw\n\n"
+head = "NRRD0004\ntype: float\ndimension: 3\nspace dimension: 3\nsizes: 10 10 10\n" \
+       f"space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (-4.5,{float(sys.argv[2]) - 4.5},-4.5)\n" \
+       "endian: little\nencoding: raw\n\n"
 with open(sys.argv[1], "wb") as f:
     f.write(head.encode() + bytes([0, 0, 128, 63]) * 1000)
 END
@@ -79,12 +80,14 @@ all_true overlaid 8
 # A second volume on the command line, at its place.
 "$ISOSHADE" view patient.nii --overlay moved.nii -q -o pair.html || failed=1
 expect a_page_has_two_volumes 0 daily placed pair.html .
-"$ISOSHADE" render moved.nii --scene placed.scene.json --shading-from on-the-fly --with gl -q -o placed.exr >/dev/null || failed=1
-check the_second_is_at_its_place "$ISOSHADE" compare placed.exr placed.page.exr --max-rmse 5e-6 --max-abs 1e-4
-"$ISOSHADE" render patient.nii --scene placed.scene.json --shading-from on-the-fly --with gl -q -o first.exr >/dev/null || failed=1
-notice the_first_in_its_stead_is_noticed "$ISOSHADE" compare first.exr placed.page.exr --max-rmse 5e-6 --max-abs 1e-4
-refuse a_second_volume_that_is_missing_is_refused 3 "--overlay: none.nii" "$ISOSHADE" view patient.nii --overlay none.nii -o x.html
-refuse a_second_volume_that_is_too_large_is_refused 5 "raise --most-voxels" "$ISOSHADE" view patient.nii --overlay moved.nii --most-voxels 4000 -o x.html
+place() { "$ISOSHADE" render "$1.nii" --scene placed.scene.json --shading-from on-the-fly --with gl -q -o "$1.exr" >/dev/null; }
+place moved
+check the_second_is_at_its_place "$ISOSHADE" compare moved.exr placed.page.exr --max-rmse 5e-6 --max-abs 1e-4
+place patient
+notice the_first_in_its_stead_is_noticed "$ISOSHADE" compare patient.exr placed.page.exr --max-rmse 5e-6 --max-abs 1e-4
+pair() { "$ISOSHADE" view patient.nii "$@" -o x.html; }
+refuse a_second_volume_that_is_missing_is_refused 3 "--overlay: none.nii" pair --overlay none.nii
+refuse a_second_volume_that_is_too_large_is_refused 5 "raise --most-voxels" pair --overlay moved.nii --most-voxels 4000
 sed '0,/^encoding/s//sample units: "HU"\n&/' noise.nrrd >hu.nrrd
 "$ISOSHADE" view hu.nrrd -q -o hu.html || failed=1
 expect the_unit_of_values_is_shown 0 daily unit hu.html hu.nrrd HU

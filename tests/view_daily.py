@@ -373,7 +373,8 @@ def overlaid(path, shifted, far):
         load(page, path)
         # Faces lie at whole segments: in a segment that has one, the order of both is not known.
         page.evaluate("Object.assign(isoshade.state.camera, {position: [0, 105, 0], lookAt: [0, 0, 0], up: [0, 0, 1]})")
-        page.evaluate("Object.assign(isoshade.state, {shading: {ambient: 1, diffuse: 0, specular: 0, power: 1}, background: [0, 0, 0]})")
+        page.evaluate("""Object.assign(isoshade.state,
+            {shading: {ambient: 1, diffuse: 0, specular: 0, power: 1}, background: [0, 0, 0]})""")
         middle = "isoshade.frames.settled().then(() => [...isoshade.frames.measure(31, 31).rgba])"
         page.evaluate(SECOND % "0")
         alone = page.evaluate(middle)
@@ -395,7 +396,8 @@ def overlaid(path, shifted, far):
         choose(page, "#open", os.path.join(os.path.dirname(path), "noise.nrrd"))
         page.evaluate("Object.assign(isoshade.state, {shading: {ambient: 0.3, diffuse: 0.7, specular: 0, power: 1}})")
         page.evaluate("document.querySelector('#overlay .buttons button').click()")  # the volume's transfer function
-        page.evaluate("window.whole = isoshade.state.overlay.tf; isoshade.state.overlay = null; isoshade.state.tf = whole")
+        page.evaluate("window.whole = isoshade.state.overlay.tf; isoshade.state.overlay = null")
+        page.evaluate("isoshade.state.tf = whole")
         whole = numpy.array(page.evaluate(middle))
         half = "{...whole, unit_distance_mm: 2 * whole.unit_distance_mm}"
         page.evaluate(f"isoshade.state.tf = {half}; isoshade.state.overlay = {{cover: 1, range: null, tf: {half}}}")
@@ -415,9 +417,9 @@ def placed(path, folder):
         points = [{"value": v, "r": 1, "g": 0.5, "b": 0.2, "opacity": o} for v, o in ((lo, 0), (middle, 0), (hi, 0.4))]
         tf = {"range": [lo, hi], "unit_distance_mm": 1.5, "color_space": "linear", "points": points}
         page.evaluate(f"""isoshade.state.overlay = {{cover: 1, range: null, tf: {json.dumps(tf)}}};
-            isoshade.state.tf = {{...isoshade.state.tf, points: isoshade.state.tf.points.map(p => ({{...p, opacity: 0}}))}}""")
+            isoshade.state.tf.points = isoshade.state.tf.points.map(p => ({{...p, opacity: 0}}))""")
         scene = page.evaluate("({...isoshade.controls.sceneNow(), image: {width: 80, height: 60}})")
-        page.evaluate("isoshade.state.camera = isoshade.frames.camera(isoshade.frames.size()[0] / isoshade.frames.size()[1]);"
+        page.evaluate("(([w, h]) => { isoshade.state.camera = isoshade.frames.camera(w / h); })(isoshade.frames.size());"
                       " isoshade.state.sceneAspect = 80 / 60")
         with open(os.path.join(folder, "placed.scene.json"), "w", encoding="utf-8") as f:
             json.dump({**scene, "tf": {"schema": "isoshade.tf/1", **tf}}, f)
@@ -507,5 +509,6 @@ def framed(path, outer):
 
 
 if __name__ == "__main__":
-    {"slices": slices, "labels": labels, "framed": framed, "opened": opened, "lost": lost, "picked": picked, "overlaid": overlaid, "placed": placed,
+    {"slices": slices, "labels": labels, "framed": framed, "opened": opened, "lost": lost, "picked": picked,
+     "overlaid": overlaid, "placed": placed,
      "unit": unit}[sys.argv[1]](*sys.argv[2:])

@@ -114,7 +114,8 @@ const makeCaster = (context, data) => {
             DECODER: code ? code.decoder : 'ISO_DECODER_LINEAR', OUTPUT: 'OUTPUT_INTEGRAL', LIGHT_COUNT: q.lights.length,
             SPECULAR: Number((q.shading.specular ?? 0) > 0), SHADE_TABLE: 0, SKIP_EMPTY: Number(skip), SCREEN_TILE: 0,
             PREINTEGRATED: 0, EXACT: 0, ROI: Number(Boolean(q.roi)), BRICKS: Number(Boolean(level.isPlan)), TF_2D_ROWS: 0,
-            EXTINCTION_SCALE: level.share ? 'SCALE_ALONE' : 'SCALE_NONE', SCALAR_WITH_DIRECTIONS: 0, PAGES: 1, FILTERED_BY_HAND: byHand ? 1 : undefined, OVERLAY: over ? 1 : undefined,
+            EXTINCTION_SCALE: level.share ? 'SCALE_ALONE' : 'SCALE_NONE', SCALAR_WITH_DIRECTIONS: 0, PAGES: 1,
+            FILTERED_BY_HAND: byHand ? 1 : undefined, OVERLAY: over ? 1 : undefined,
         }];
     };
     const overOf = q => shownOverlay(context, data.overlay?.level, q.overlay);

@@ -72,7 +72,8 @@ const makeControls = (data, state, frames, editor, page) => {
         ];
     };
     const [{steps, shownStep, firstStep = 0}] = data.levels;
-    const time = () => slider('time step', {min: firstStep, max: firstStep + steps - 1, step: 1, value: shownStep ?? firstStep}, v => data.toStep(v));
+    const times = {min: firstStep, max: firstStep + steps - 1, step: 1, value: shownStep ?? firstStep};
+    const time = () => slider('time step', times, v => data.toStep(v));
     const drawWhat = () => refill($('what'), ...(steps > 1 ? [time()] : []), ...what('', state));
 
     const presets = [['scene', 'of the scene'], ...data.presets.map(p => [p.name, p.name]), ['edited', 'edited']];

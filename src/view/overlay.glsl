@@ -79,7 +79,8 @@ void main()
     float transmittance = 1.0, before = 1.0;
     // A ray that misses a volume has length 0 there.
     float from = min(ray.length > 0.0 ? ray.number : 1e30, over.length > 0.0 ? over.number : 1e30);
-    float to = max(ray.length > 0.0 ? ray.number + ray.length : 0.0, over.length > 0.0 ? over.number + over.length : 0.0);
+    float to = max(ray.length > 0.0 ? ray.number + ray.length : 0.0,
+                   over.length > 0.0 ? over.number + over.length : 0.0);
     for (float n = from; n < to && before >= 1e-7; n += 1.0) {
         Part a = own_part(ray, n - ray.number, halfway), b = over_part(over, n - over.number, halfway);
         float depth = a.depth + b.depth, share = b.depth > 0.0 ? a.depth / depth : 1.0;

@@ -16,10 +16,12 @@ const overlayTf = (level, settings) => {
     if (settings.tf) return settings.tf;
     const [lo, hi] = overlayRange(level, settings);
     const glow = [[1, 0, 0], [1, 0.5, 0], [1, 1, 0], [1, 1, 1]], wave = h => clamp(Math.abs((h % 6) - 3) - 1, 0, 1);
-    const hue = value => [0, 4, 2].map(turn => toLinear(wave(value * 2.2918 + turn))); // a golden angle from one to the next
+    // A golden angle from one to the next.
+    const hue = value => [0, 4, 2].map(turn => toLinear(wave(value * 2.2918 + turn)));
+    const glowing = glow.map((rgb, i) => ({value: lo + i / 3 * (hi - lo), rgb, opacity: 1}));
     const isLabels = level.labels, points = isLabels
         ? Array.from({length: level.max + 1}, (_, value) => ({value, rgb: hue(value), opacity: Number(value > 0)}))
-        : [{value: lo, rgb: glow[0], opacity: 0}, ...glow.map((rgb, i) => ({value: lo + i / 3 * (hi - lo), rgb, opacity: 1}))];
+        : [{value: lo, rgb: glow[0], opacity: 0}, ...glowing];
     return {
         range: [level.min, level.max > level.min ? level.max : level.min + 1], unit_distance_voxels: 1,
         table_size: isLabels ? clamp(level.max + 1, 2, 4096) : 1024, // an entry per label
@@ -67,7 +69,8 @@ const tfInMm = (data, {unit_distance_voxels: voxels, unit_distance_mm: mm, ...tf
 
 // The controls. take(file) opens a file as overlay; renew() makes the controls again.
 const overlayPanel = (data, state, take, moved, renew) => {
-    const file = element('input', {type: 'file', accept: '.nrrd,.nii,.gz'}), over = state.overlay, level = data.overlay?.level;
+    const file = element('input', {type: 'file', accept: '.nrrd,.nii,.gz'});
+    const over = state.overlay, level = data.overlay?.level;
     file.addEventListener('change', () => take(file.files[0]));
     const chooser = labeled(data.overlay?.name ?? 'second volume', file);
     if (!level || !over) return [chooser];
@@ -82,7 +85,8 @@ const overlayPanel = (data, state, take, moved, renew) => {
     const own = element('button', {type: 'button', textContent: text});
     own.addEventListener('click', () => { set({tf: over.tf ? null : tfInMm(data, state.tf)}); renew(); });
     return [
-        chooser, slider('cover', {min: 0, max: 1, step: 0.01, value: over.cover}, (cover, isMoving) => set({cover}, isMoving)),
+        chooser,
+        slider('cover', {min: 0, max: 1, step: 0.01, value: over.cover}, (cover, isMoving) => set({cover}, isMoving)),
         ...(over.tf || level.labels ? [] : [bound('clear below', 0), bound('white from', 1)]),
         element('div', {className: 'buttons'}, own),
     ];

@@ -44,15 +44,17 @@ const keepPage = () => {
     return async (data, state) => {
         const arrays = l => [l.scalar, ...l.codes, l.share, l.joint, l.layout].filter(Boolean);
         const isPacked = data.levels.every(l => l.scalar.text && !l.held);
-        const json = isPacked ? JSON.parse(dataText) : {...data, geometry0: undefined, plan: undefined, levels: [await packedLevel(data.levels[0])]};
-        json.overlay = data.overlay ? {name: data.overlay.name, level: await packedLevel(data.overlay.level, 'overlay-scalar')} : undefined;
-        json.geometry = isPacked ? json.geometry : json.levels[0];
+        const json = isPacked ? JSON.parse(dataText) : {...data, geometry0: undefined, plan: undefined};
+        const over = data.overlay;
+        if (!isPacked) json.levels = [json.geometry = await packedLevel(data.levels[0], 'level-0-scalar')];
+        json.overlay = over ? {name: over.name, level: await packedLevel(over.level, 'overlay-scalar')} : undefined;
         const [first, ...others] = (isPacked ? data.levels : json.levels).map(arrays);
         others.push(...json.levels[0].held?.map(arrays) ?? [], ...json.overlay ? [[json.overlay.level.scalar]] : []);
         // \x3c: the parser of HTML looks for elements in this script, too.
         const held = (attributes, text) => [`\x3cscript ${attributes}>`, text, '\x3c/script>\n'];
         const elements = list => list.flatMap(d => held(`type="text/plain" id="${d.array}"`, d.text));
-        const asText = value => JSON.stringify(value, (key, v) => key === 'text' ? undefined : v).replace(/</g, '\\u003c');
+        const without = (key, v) => key === 'text' ? undefined : v;
+        const asText = value => JSON.stringify(value, without).replace(/</g, '\\u003c');
         return new Blob([before, ...held('type="application/json" id="data"', asText(json)),
             ...held('type="application/json" id="state"', asText(state)),
             ...elements(first), script, '\n', ...elements(others.flat()), '\x3c/body>\n\x3c/html>\n'], {type: 'text/html'});
@@ -64,34 +66,34 @@ const packedArray = async (numbers, array) => {
     const all = new Uint8Array(numbers.buffer, numbers.byteOffset, planes.length); // of a little-endian machine
     for (let w = 0, at = 0; w < bytes; ++w) for (let i = w; i < all.length; i += bytes) planes[at++] = all[i];
     const packed = await through(planes, new CompressionStream('deflate')), parts = [], most = 3 * 2 ** 13;
-    for (let at = 0; at < packed.length; at += most) parts.push(btoa(String.fromCharCode(...packed.subarray(at, at + most))));
+    for (let at = 0; at < packed.length; at += most)
+        parts.push(btoa(String.fromCharCode(...packed.subarray(at, at + most))));
     return {array, count, components: 1, bytes, delta: false, packed: packed.length, text: new Blob(parts)};
 };
 const packedScalar = async ({scalar: {kind, zero, step, ...rest}, numbers}, name) =>
     ({kind, zero, step, ...rest.text ? {...rest, array: name} : await packedArray(numbers, name)});
-// A level of one scalar for a saved page, with the time steps that fit: those after the shown one, then those before it.
+// A level of one scalar for a saved page, with the time steps that fit: from the shown one on, then those before it.
 const mostHeldBytes = 5e8;
-const packedLevel = async (level, name = 'level-0-scalar') => {
+const packedLevel = async (level, name) => {
     const {size, index_to_world, origin_mm, box_index, min, max, labels, has_no_data, value_unit} = level;
-    const scalar = await packedScalar(level, name), steps = level.steps ?? 1, shown = level.shownStep ?? level.firstStep ?? 0;
-    const first = level.firstStep ?? 0, last = first + steps - 1, held = [];
-    let bytes = scalar.packed;
+    const scalar = await packedScalar(level, name);
+    const about = {size, index_to_world, origin_mm, box_index, level: 0, min, max, labels, has_no_data, value_unit};
+    return {...about, codes: [], scalar, ...level.steps > 1 ? await packedSteps(level, scalar.packed) : {}};
+};
+const packedSteps = async (level, bytes) => {
+    const {firstStep = 0, shownStep = firstStep, steps} = level, last = firstStep + steps - 1, held = [];
     const hold = async n => {
-        const {numbers, scalar: form, ...about} = await level.readStep(n);
-        const packed = await packedScalar({scalar: form, numbers}, `step-${n}`);
-        bytes += packed.packed;
-        if (bytes > mostHeldBytes) return false;
-        const {min: lo, max: hi, window, has_no_data: gaps} = about;
-        held.push({step: n, min: lo, max: hi, window, has_no_data: gaps, codes: [], scalar: packed});
-        return true;
+        const {min, max, window, has_no_data, ...made} = await level.readStep(n);
+        const scalar = await packedScalar(made, `step-${n}`), fits = (bytes += scalar.packed) <= mostHeldBytes;
+        if (fits) held.push({step: n, min, max, window, has_no_data, codes: [], scalar});
+        return fits;
     };
-    let fits = steps > 1;
-    for (let n = shown; fits && n <= last; ++n) fits = await hold(n);
-    for (let n = shown - 1; fits && n >= first; --n) fits = await hold(n);
+    let fits = true;
+    for (let n = shownStep; fits && n <= last; ++n) fits = await hold(n);
+    for (let n = shownStep - 1; fits && n >= firstStep; --n) fits = await hold(n);
     held.sort((a, b) => a.step - b.step);
-    const kept = held.length ? {held, steps: held.length, firstStep: held[0].step, shownStep: shown} : {};
-    if (held.length < steps && steps > 1) say(`The saved page has time steps ${held[0].step} to ${held.at(-1).step}, which fit, of ${first} to ${last}.`);
-    return {size, index_to_world, origin_mm, box_index, level: 0, min, max, labels, has_no_data, value_unit, codes: [], scalar, ...kept};
+    if (!fits) say(`The saved page has ${held.length} time steps of ${steps}: those from ${held[0]?.step} on fit.`);
+    return held.length ? {held, steps: held.length, firstStep: held[0].step, shownStep} : {};
 };
 
 // ---- the state ----

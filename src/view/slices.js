@@ -56,7 +56,7 @@ const makeCell = on => {
     return {root, canvas, svg, name, letters, plane};
 };
 
-// caster.tableAt(level, request): the transfer function as a table. worker: reads files of at most `most` voxels a side.
+// worker: reads files of at most `most` voxels per side.
 const makeSlices = (root, data, state, {caster, frames, worker, most}, moved) => {
     const $ = id => document.getElementById(id);
     let drawn = '', hovered = null;
@@ -233,7 +233,8 @@ const makeSlices = (root, data, state, {caster, frames, worker, most}, moved) =>
     // Takes the point under a pixel of the picture as an end of a length.
     const pick = (camera, aspect, place) => {
         const q = {...requestOf(data, state, 'a'), camera}, level = shown();
-        return pickedPoint(q, level, caster.tableOf(level, q.tf, q.adapted && level.level > 0), data.geometry0, aspect, place);
+        const table = caster.tableOf(level, q.tf, q.adapted && level.level > 0);
+        return pickedPoint(q, level, table, data.geometry0, aspect, place);
     };
     const clicked = (camera, aspect, place) => {
         const point = state.measure && pick(camera, aspect, place);

@@ -18,7 +18,7 @@ const start = async () => {
     data.geometry0 = data.geometry;
     const showTitle = () => {
         $('title').textContent = document.title = data.title;
-        canvas.setAttribute('aria-label', `${data.title}, ${canvas.getAttribute('aria-label').split(', ').slice(1).join(', ')}`);
+        canvas.ariaLabel = canvas.ariaLabel.replace(/^.*?(?=, volume rendering)/, () => data.title);
     };
     if ($('title').textContent !== data.title) showTitle();
     if (data.plan) data.levels.push(levelOfPlan(data.plan, data.geometry0));
@@ -63,7 +63,8 @@ const start = async () => {
     const readStep = async (level, n) => {
         const {step, scalar, ...about} = level.held[n - level.firstStep];
         scalar.text ??= await takeText($(scalar.array));
-        return {...about, scalar, ...await worker.run('decode', scalar.text, {...scalar, text: undefined, size: level.size})};
+        const array = {...scalar, text: undefined, size: level.size};
+        return {...about, scalar, ...await worker.run('decode', scalar.text, array)};
     };
     const readLevel = async level => {
         if (level.isPlan) return readPlan(level, read);

@@ -21,10 +21,12 @@ const makeState = data => {
 const requestOf = (data, state, side) => {
     const wanted = side === 'b' ? state.b : state, ready = data.levels.filter(l => l.numbers);
     const level = ready.find(l => l.level === wanted.level) || ready.reduce((best, l) => Math.abs(l.level - wanted.level) < Math.abs(best.level - wanted.level) ? l : best);
-    const {tf, lights, shading, background, clips, step, overlay} = state, inside = state.roi && ready.find(l => l.level === state.roi.level);
+    const {tf, lights, shading, background, clips, step, overlay} = state;
+    const both = {tf, lights, shading, background, clips, step, overlay};
+    const inside = state.roi && ready.find(l => l.level === state.roi.level);
     const roi = inside && inside.level < level.level && wanted.code !== null ? {...state.roi, level: inside} : null;
-    if (level.isPlan) return {level, code: level.codes[0].name, adapted: false, tf, lights, shading, background, clips, step, overlay, roi: null};
-    return {level, code: wanted.code, adapted: wanted.adapted && level.level > 0, tf, lights, shading, background, clips, step, overlay, roi};
+    if (level.isPlan) return {level, code: level.codes[0].name, adapted: false, ...both, roi: null};
+    return {level, code: wanted.code, adapted: wanted.adapted && level.level > 0, ...both, roi};
 };
 
 const number = x => Number(x.toPrecision(9));

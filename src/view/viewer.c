@@ -87,7 +87,8 @@ static void put_script(FILE *f)
         iso_viewer_vectors_js, iso_viewer_arrays_js, iso_viewer_camera_js, iso_viewer_transfer_js,
         iso_viewer_adapt_js, iso_viewer_occupancy_js, iso_viewer_context_js, iso_viewer_textures_js,
         iso_viewer_bricks_js, iso_viewer_caster_js, iso_viewer_frames_js, iso_viewer_state_js, iso_viewer_orbit_js,
-        iso_viewer_planes_js, iso_viewer_overlay_js, iso_viewer_outline_js, iso_viewer_editor_js, iso_viewer_save_js, iso_viewer_controls_js,
+        iso_viewer_planes_js, iso_viewer_overlay_js, iso_viewer_outline_js, iso_viewer_editor_js,
+        iso_viewer_save_js, iso_viewer_controls_js,
         iso_viewer_pick_js, iso_viewer_slices_js, iso_viewer_open_samples_js, iso_viewer_open_nrrd_js, iso_viewer_open_nifti_js,
         iso_viewer_open_js, iso_viewer_start_js,
     };
