@@ -14,8 +14,8 @@ from chromium import Chromium
 from exr import write_exr
 
 TOP = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
-SCRIPTS = [f"src/view/{name}.js" for name in ("vectors", "arrays", "camera", "transfer", "adapt", "occupancy", "context", "textures", "caster")]
-SCRIPTS += ["tests/peers/webgl.js"]
+SCRIPTS = [f"src/view/{name}.js" for name in ("vectors", "arrays", "camera", "transfer", "adapt", "occupancy", "context",
+                                              "textures", "overlay", "caster")] + ["tests/peers/webgl.js"]
 SHADERS = ["src/encode/code_decode.h"]
 SHADERS += [f"src/render/gl/shaders/{name}" for name in ("es.glsl", "fullscreen.glsl", "held.glsl", "probe.glsl", "raycast.glsl", "roi.glsl", "variants.h")]
 
