@@ -109,6 +109,12 @@ int main()
     return good && drawn >= 8 ? 0 : 1;
 }
 END
+# Programs in C and C++ call each function.
+uncalled() { comm -23 <(declared "$1") <(grep -ohE '\biso_[a-z0-9_]+' "$top/tests/test_library.c" judge.cc | sort -u); }
+each_is_called() { [ -z "$(uncalled "$1")" ] || { uncalled "$1"; return 1; }; }
+check each_function_is_called each_is_called "$header"
+sed 's/^const char \*iso_version(void);/&\nint iso_planted(void);/' "$header" >planted/isoshade.h
+notice a_function_that_nobody_calls_is_found each_is_called "$dir/planted/isoshade.h"
 check judge_links g++ -std=c++17 $warnings judge.cc -o judge $(pkg-config --cflags --libs isoshade)
 expect renderers_of_a_program_are_judged 0 env -u ISOSHADE_ISOSHADE LD_LIBRARY_PATH="$prefix/lib" ./judge
 nm "$prefix/lib/libisoshade.a" 2>/dev/null | awk '$2 ~ /^[TDBR]$/ { print $3 }' | sort -u >visible

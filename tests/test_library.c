@@ -513,6 +513,11 @@ TEST(a_raw_file_is_opened_by_its_options)
     iso_volume_free(volume);
 }
 
+static void keep_text(void *user, const char *text)
+{
+    snprintf(user, 512, "%s", text);
+}
+
 /* A rectilinear grid whose coordinates are not even: 0, 1 and 3. */
 TEST(uneven_coordinates_and_no_data_are_options)
 {
@@ -530,7 +535,11 @@ TEST(uneven_coordinates_and_no_data_are_options)
     iso_open_options o = {0};
     assert_int_equal(iso_volume_open_with(path, &o, &volume, NULL), ISO_E_FORMAT);
     o.resample = true;
+    char warning[512] = "";
+    iso_warnings_to(keep_text, warning);
     assert_ok(iso_volume_open_with(path, &o, &volume, &err));
+    iso_warnings_to(NULL, NULL);
+    assert_non_null(strstr(warning, "4 x 2 x 2 samples are interpolated of 3 x 2 x 2"));
     assert_int_equal(iso_volume_grid(volume).size[0], 4);
     iso_volume_values(volume, values);
     assert_within((double)values[2], 4, 0);
@@ -564,6 +573,14 @@ TEST(a_scene_is_made_changed_and_written)
     assert_ok(iso_scene_text(scene, &text, &err));
     assert_non_null(strstr(text, "\"width\": 20"));
     assert_ok(iso_scene_from_text(text, &again, &err));
+    assert_ok(iso_scene_text(again, &text2, &err));
+    assert_string_equal(text, text2);
+    iso_free(text2);
+    iso_scene_free(again);
+    char path[512];
+    snprintf(path, sizeof path, "%s/made.scene.json", folder);
+    assert_ok(iso_scene_save(scene, path, &err));
+    assert_ok(iso_scene_open(path, &again, &err));
     assert_ok(iso_scene_text(again, &text2, &err));
     assert_string_equal(text, text2);
     iso_free(text2);
@@ -607,6 +624,12 @@ TEST(images_in_memory_are_those_of_files)
     assert_ok(iso_image_png(&image, 1.5, &bytes, &size, &err));
     assert_holds(path, bytes, size);
     iso_free(bytes);
+    iso_image loaded;
+    assert_ok(iso_image_load_png(path, &loaded, &err));
+    assert_true(loaded.width == 7 && loaded.height == 5);
+    for (size_t i = 0; i < 4 * 7 * 5; ++i) /* half a step of 8 bits where sRGB's curve has its largest slope, 2.28 */
+        assert_within(loaded.rgba[i], i % 4 == 3 ? 1 : fmin(1.5 * (double)image.rgba[i], 1), 2.28 / 510);
+    iso_image_destroy(&loaded);
     snprintf(path, sizeof path, "%s/m.exr", folder);
     assert_ok(iso_image_save_exr(&image, path, NULL, &err));
     assert_ok(iso_image_exr(&image, &bytes, &size, &err));

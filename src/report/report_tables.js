@@ -198,11 +198,13 @@ function namedMistake(name) {
 }
 // The failed checks of one renderer, the farthest beyond its limit first.
 function failedCalibration(name, unfit) {
-    const all = data.calibration.filter(r => r.renderer === name), beyond = r => r.value === null ? Infinity : r.value / r.limit;
+    const all = data.calibration.filter(r => r.renderer === name);
+    const beyond = r => r.value === null ? Infinity : r.value / r.limit;
     const failed = unfit.filter(r => r.renderer === name).sort((a, b) => beyond(b) - beyond(a));
-    const measured = r => r.value === null ? ['nothing could be measured. '] : [number(r.value), ` ${r.unit || ''}, at most `, number(r.limit), '. '];
-    return el('div', {class: 'failure'}, el('h3', {}, `${name} failed ${failed.length} of ${all.length} checks of its calibration`),
-        ...namedMistake(name), el('ul', {}, failed.map(r =>
+    const measured = r => r.value === null ? ['nothing could be measured. ']
+        : [number(r.value), ` ${r.unit || ''}, at most `, number(r.limit), '. '];
+    const heading = `${name} failed ${failed.length} of ${all.length} checks of its calibration`;
+    return el('div', {class: 'failure'}, el('h3', {}, heading), ...namedMistake(name), el('ul', {}, failed.map(r =>
             el('li', {}, el('strong', {}, r.check), ': ', measured(r), r.detail || ''))));
 }
 function failures() {
