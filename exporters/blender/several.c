@@ -141,6 +141,8 @@ static iso_status write_frame(several_job *job, size_t frame, iso_error *err)
         job->space = iso_blender_space_of(&p.levels[0].geometry);
         describe_series(job, &p);
     }
+    if (status == ISO_OK && p.levels[0].geometry.has_no_data) /* of this frame alone: others have no such grid */
+        json_object_set_new(job->about, "extinction_scale", json_true());
     TRY(status, write_grids(job, frame, &p, name, err));
     iso_pyramid_destroy(&p);
     return status;

@@ -13,7 +13,14 @@ static iso_status load(const iso_subject_frames *f, size_t frame, iso_pyramid *p
     one.frame = number;
     one.no_labels = one.no_labels || !f->are_labels; /* one decision for all frames */
     one.labels = f->are_labels;
-    return iso_subject_load_pyramid(f->path, &one, &f->build, f->progress, p, err);
+    NEED(iso_subject_load_pyramid(f->path, &one, &f->build, f->progress, p, err));
+    /* Voxels without data get a value below the range of all frames (iso_level_stand_in), where their transfer function
+     * shows nothing. */
+    for (size_t k = 0; k < p->level_count && p->levels[0].geometry.has_no_data; ++k) {
+        p->levels[k].min = f->build.value_range[0];
+        p->levels[k].max = f->build.value_range[1];
+    }
+    return ISO_OK;
 }
 
 /* True if the grids agree up to the last decimals, which may differ within a series. */
@@ -82,6 +89,7 @@ iso_status iso_subject_frames_create(const char *path, const iso_volume_input *i
     TRY(status, load(f, f->widest, &p, err));
     if (status == ISO_OK)
         f->geometry = p.levels[0].geometry;
+    f->geometry.has_no_data = f->geometry.has_no_data || facts.has_no_data;
     if (status == ISO_OK && look) {
         status = iso_subject_make_scene(&of_all, &p, &f->scene, err);
         f->has_scene = status == ISO_OK;

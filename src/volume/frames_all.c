@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static iso_status measure_planes(const char *path, iso_volume_source *source, double range[2], iso_error *err)
+static iso_status measure_planes(const char *path, iso_volume_source *source, double range[2], bool *has_no_data,
+                                 iso_error *err)
 {
     iso_volume plane = *iso_source_volume(source);
     const size_t planes = plane.geometry.size[2];
@@ -23,6 +24,7 @@ static iso_status measure_planes(const char *path, iso_volume_source *source, do
         const iso_volume_stats s = iso_volume_measure(&plane);
         range[0] = fmin(range[0], s.min);
         range[1] = fmax(range[1], s.max);
+        *has_no_data = *has_no_data || s.no_data_count > 0;
         if (s.nonfinite_count > 0)
             status = iso_fail(err, ISO_E_RANGE, "%s: voxels of plane %zu are NaN or infinite, none may be", path, z);
     }
@@ -46,9 +48,11 @@ iso_status iso_frames_measure(const char *path, const iso_volume_input *input, i
         if (status != ISO_OK)
             break;
         facts->count = iso_source_volume(source)->notes.frame_count;
-        status = facts->count > 1 ? measure_planes(path, source, range, err)
+        status = facts->count > 1 ? measure_planes(path, source, range, &facts->has_no_data, err)
                                   : iso_fail(err, ISO_E_USAGE, "%s: has one frame, --frames all is for several", path);
         iso_source_close(source);
+        if (status == ISO_OK && !(range[0] <= range[1]))
+            status = iso_fail(err, ISO_E_RANGE, "%s: frame %zu has no voxel with data, each must have some", path, k);
         if (range[1] - range[0] > most) {
             most = range[1] - range[0];
             facts->widest = k;
@@ -87,10 +91,9 @@ iso_status iso_frames_labels(const char *path, const iso_volume_input *input, si
         *count = labels > *count ? labels : *count;
     }
     if (with && without && !input->labels)
-        return iso_fail(
-            err, ISO_E_USAGE,
-            "%s: frame %zu looks like a label map, frame %zu does not; use --labels or --no-labels",
-            path, with - 1, without - 1);
+        return iso_fail(err, ISO_E_USAGE,
+                        "%s: frame %zu looks like a label map, frame %zu does not; use --labels or --no-labels", path,
+                        with - 1, without - 1);
     return ISO_OK;
 }
 

@@ -6,11 +6,13 @@
 
 typedef struct iso_frames_facts {
     size_t count;
-    double range[2]; /* of all frames */
-    size_t widest;   /* the frame whose own range is the widest, the first of several */
+    double range[2];  /* of all frames */
+    size_t widest;    /* the frame whose own range is the widest, the first of several */
+    bool has_no_data; /* some voxels of some frames have none */
 } iso_frames_facts;
 
-/* Reads all frames, plane by plane. ISO_E_USAGE if there is only one; ISO_E_RANGE for NaN and infinite voxels. */
+/* Reads all frames, plane by plane. ISO_E_USAGE if there is only one; ISO_E_RANGE for NaN and infinite voxels, and for a frame
+ * without data. */
 iso_status iso_frames_measure(const char *path, const iso_volume_input *input, iso_frames_facts *facts, iso_error *err);
 /* Does the work of iso_volume_input_labels() for all frames: the most labels of one. ISO_E_USAGE if some look like
  * label maps, others do not, and the input does not decide it. */
