@@ -82,7 +82,8 @@ python3 - <<'END'
 import struct
 for t in range(3):
     with open(f"g_{t}.nrrd", "wb") as file:
-        file.write(b"NRRD0004\ntype: float\ndimension: 3\nsizes: 8 8 8\nspacings: 1 1 1\nendian: little\nencoding: raw\n\n")
+        file.write(b"NRRD0004\ntype: float\ndimension: 3\nsizes: 8 8 8\nspacings: 1 1 1\n")
+        file.write(b"endian: little\nencoding: raw\n\n")
         for i in range(512):
             gap = t == 1 and i % 8 > 4
             file.write(struct.pack("<f", float("nan") if gap else 50 + i % 64 / 64 if t == 1 else i % 64 * (t + 1)))
@@ -95,13 +96,15 @@ for with in reference cpu; do
     quiet "$ISOSHADE" render 'g_%d.nrrd' --frames all --tf opaque.tf.json --size 24 --with $with -o g.$with.exr
 done
 # Steps of the ray caster at the edge of the data; voxels without data that show fill half of the picture.
-check gaps_of_a_later_frame_show_nothing "$ISOSHADE" compare g.reference_0001.exr g.cpu_0001.exr --max-rmse 0.02 --max-abs 1
+check gaps_of_a_later_frame_show_nothing "$ISOSHADE" compare g.reference_0001.exr g.cpu_0001.exr --max-rmse 0.02 \
+    --max-abs 1
 quiet "$ISOSHADE" export 'g_%d.nrrd' --frames all --tf opaque.tf.json --to vdb -o 'g_%04d.vdb'
 quiet "$ISOSHADE" build g_0001.vdb --levels 1 -o g.iso
 holds its_gaps_are_below_the_range_of_all "$(json_number g.iso/pyramid.json min) < 0"
 check a_material_with_the_share_of_its_data "$ISOSHADE" export 'g_%d.nrrd' --frames all --level 1 --to blender \
     --tf opaque.tf.json --size 12 -o gaps.blend -q
-has_cycles && check reads_that_share sh -c '{ zstd -dcq gaps.blend || cat gaps.blend; } 2>/dev/null | grep -aq log2_extinction_scale'
+has_cycles && check reads_that_share sh -c \
+    '{ zstd -dcq gaps.blend || cat gaps.blend; } 2>/dev/null | grep -aq log2_extinction_scale'
 cp g_1.nrrd g_3.nrrd && python3 - <<'END'
 with open("g_3.nrrd", "r+b") as file:
     file.seek(-2048, 2)

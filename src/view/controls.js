@@ -164,13 +164,14 @@ const makeControls = (data, state, frames, editor, page) => {
         refill($('clips'), ...list, more);
     };
 
-    // Draws a finer level inside the box than around it.
+    // Draws a finer level inside the box than around it. A level inside whose voxels have data in part is not drawn.
+    const inner = whole.slice(0, -1).filter(n => !data.levels.find(l => l.level === n).share);
     const drawRoi = () => {
         const on = element('input', {type: 'checkbox', checked: Boolean(state.roi)}), row = labeled('finer level inside a box', on), parts = [row];
         row.className = 'check';
         on.addEventListener('change', () => {
             const outside = state.roi?.outside; // restores the outer level that was replaced by a coarser one
-            state.roi = on.checked ? {level: whole[0], box: [[0.3, 0.3, 0.3], [0.7, 0.7, 0.7]], band: 2} : null;
+            state.roi = on.checked ? {level: inner[0], box: [[0.3, 0.3, 0.3], [0.7, 0.7, 0.7]], band: 2} : null;
             if (state.roi && state.level <= whole[0]) Object.assign(state, {level: whole[1], roi: {...state.roi, outside: state.level}});
             else if (outside !== undefined && state.level === whole[1]) state.level = outside;
             drawWhat();
@@ -179,7 +180,7 @@ const makeControls = (data, state, frames, editor, page) => {
         });
         const set = (change, moving) => { state.roi = {...state.roi, ...change}; changed(moving); };
         if (state.roi) {
-            parts.push(labeled('level inside', choice(whole.slice(0, -1).map(n => [n, `${n}: ${sizeOf(n)}`]), state.roi.level, v => set({level: Number(v)}))));
+            parts.push(labeled('level inside', choice(inner.map(n => [n, `${n}: ${sizeOf(n)}`]), state.roi.level, v => set({level: Number(v)}))));
             for (const a of [0, 1, 2]) for (const side of [0, 1])
                 parts.push(slider(`${'xyz'[a]} ${side ? 'to' : 'from'}`, {min: 0, max: 1, step: 0.01, value: state.roi.box[side][a]}, (v, m) => {
                     const box = state.roi.box.map(corner => [...corner]);
@@ -189,7 +190,7 @@ const makeControls = (data, state, frames, editor, page) => {
             parts.push(slider('band, voxels', {min: 0, max: 16, step: 0.5, value: state.roi.band}, (v, m) => set({band: v}, m)),
                 element('p', {className: 'hint', textContent: 'Needs a coarser level outside, and coded directions. The scene file does not include the box; the command below does.'}));
         }
-        if (whole.length < 2) on.disabled = true;
+        if (!inner.length) on.disabled = true;
         refill($('roi'), ...parts);
     };
     const drawCompare = () => {

@@ -23,7 +23,7 @@ const requestOf = (data, state, side) => {
     const level = ready.find(l => l.level === wanted.level) || ready.reduce((best, l) => Math.abs(l.level - wanted.level) < Math.abs(best.level - wanted.level) ? l : best);
     const {tf, lights, shading, background, clips, step, overlay} = state;
     const both = {tf, lights, shading, background, clips, step, overlay};
-    const inside = state.roi && ready.find(l => l.level === state.roi.level);
+    const inside = state.roi && ready.find(l => l.level === state.roi.level && !l.share);
     const roi = inside && inside.level < level.level && wanted.code !== null ? {...state.roi, level: inside} : null;
     if (level.isPlan) return {level, code: level.codes[0].name, adapted: false, ...both, roi: null};
     return {level, code: wanted.code, adapted: wanted.adapted && level.level > 0, ...both, roi};
