@@ -28,9 +28,10 @@ page entries thousand-entries 61x61 '{}' -- # a table of a thousand entries
 page coarse border 61x61 '{"level": 1}' --float -- --level 1
 page gap marschner-lobb 61x61 '{"level": 1}' --float --no-data 26000,33000 -- --level 1 --no-data 26000,33000
 page adapted eight-lights 61x61 '{"level": 1, "adapted": true}' --float -- --level 1 --adapt --always
-page region eight-lights 61x61 '{"level": 1, "roi": {"level": 0, "box": [[0.25, 0.25, 0.25], [0.75, 0.75, 0.75]], "band": 2}}' --float -- --level 1 \
+middle='{"level": 0, "box": [[0.25, 0.25, 0.25], [0.75, 0.75, 0.75]], "band": 2}'
+page region eight-lights 61x61 "{\"level\": 1, \"roi\": $middle}" --float -- --level 1 \
     --roi 10.25,9.25,10.75,30.75,27.75,32.25 # a finer level inside a box
-page gap_region marschner-lobb 61x61 '{"level": 1, "roi": {"level": 0, "box": [[0.25, 0.25, 0.25], [0.75, 0.75, 0.75]], "band": 2}}' \
+page gap_region marschner-lobb 61x61 "{\"level\": 1, \"roi\": $middle}" \
     --float --no-data 26000,33000 -- --level 1 --no-data 26000,33000 --roi 9.25,10.25,4.25,27.75,30.75,12.75
 page rounded ramp-rotated 61x61 '{}' -- # floats in 16 bits
 
@@ -45,7 +46,9 @@ expect the_pages_are_drawn 0 python3 "$top/tests/view_page.py" pictures pages
 check none_is_left_out test "$(grep -c ^drawn out)" = 14
 # A ray is set up in floats, which are 1e-5 voxels off after a few hundred of them; that times the TF's slope is seen.
 near() { check "$1_is_as_the_ray_caster_draws_it" "$ISOSHADE" compare "pages/$1.gl.exr" "pages/$1.page.exr" --max-rmse "$2" --max-abs "$3"; }
-for name in lights mirrored second inside signed float entries coarse gap adapted region gap_region; do near $name 5e-6 1e-4; done
+for name in lights mirrored second inside signed float entries coarse gap adapted region gap_region; do
+    near $name 5e-6 1e-4
+done
 near rounded 1e-5 1e-4 # half a step of 1/65535 of the range, times the TF's slope
 "$ISOSHADE" render left-handed.nrrd --scene "$suite/left-handed.scene.json" --size 70x50 --with gl --code fit -q -o fit.exr >/dev/null
 notice the_first_code_is_noticed "$ISOSHADE" compare fit.exr pages/second.page.exr --max-rmse 5e-6 --max-abs 1e-4

@@ -116,7 +116,7 @@ def hdf5():
     same("two.h5:wide", values.astype(np.float32), np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
     for name, option in ("frames", "--frame"), ("parts", "--channel"):  # axes without names, as in NumPy
         same(f"two.h5:{name}", values + 1, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5", option, "1"])
-    refused("two.h5:five", 4, "6 x 5 x 4 x 3 x 2 samples along 5 axes without names: names for a volume's three axes are missing")
+    refused("two.h5:five", 4, "6 x 5 x 4 x 3 x 2 samples along 5 axes without names: names for a volume's three axes")
     refused("two.h5:lzf", 4, "packed by filter 32000 (lzf), which HDF5 has no plugin for")
     with h5py.File("sparse.h5", "w") as file:  # chunks beside each other unpack to more than the file's size allows
         data = file.create_dataset("v", shape=(64, 2048, 1024), dtype=np.uint16, chunks=(64, 64, 64), compression="gzip")

@@ -511,7 +511,7 @@ def matrix_npy():
     refused("a.npy", 4, "does not state the spacing of its voxels", ["--frame", "1"])
     for count, layout in itertools.product((3, 4), "CF"):
         planes = [values_of("u1") + channel for channel in range(count)]
-        np.save("a.npy", np.stack(planes, -1) if layout == "C" else np.asfortranarray(np.stack([v.T for v in planes], -1)))
+        np.save("a.npy", np.stack(planes, -1) if layout == "C" else np.asfortranarray(np.stack(planes).T))
         check("a.npy", planes[2], None, [*SAY, "--channel", "blue"], f"{count} colors {layout}")
         must_choose("a.npy", f"has {count} channels", SAY)
     np.save("a.npy", np.stack([np.stack([values_of("f4") + channel + 10 * frame for channel in range(3)], -1)
