@@ -9,6 +9,7 @@
 
 #include "fit/extinction_scale.h"
 #include "folder.h"
+#include "plan/patch_loss.h"
 #include "plan/scene_levels.h"
 #include "scene/level_view.h"
 #include "tf/adapt.h"
@@ -185,6 +186,67 @@ TEST(scenes_that_cannot_be_learned_are_refused)
     scene.tf.points = hidden;
     scene.tf.point_count = 2;
     assert_status(iso_optimize_level(&p, 1, &scene, &start, &opt, &o, NULL, &err), ISO_E_RANGE);
+}
+
+/* ---- the loss of a patch ----------------------------------------------------------------------------------------- */
+
+enum { SIDE = 52, BOX = 8, SMALL = 7, FIRST = 32 }; /* the picture's border cuts the patch, and boxes in it */
+
+/* A true picture of one alpha everywhere, another one in small, and the drawn patch of the first. */
+typedef struct loss_case {
+    uint16_t rgba[4 * SIDE * SIDE], small[4 * SMALL * SMALL];
+    float drawn[4 * ISO_ADJOINT_PIXELS], slopes[4 * ISO_ADJOINT_PIXELS];
+    iso_patch_truth truth;
+} loss_case;
+
+static void begin_loss(loss_case *c, uint16_t alpha, uint16_t small_alpha)
+{
+    memset(c, 0, sizeof *c);
+    c->truth = (iso_patch_truth){c->rgba, c->small, SIDE, SMALL, BOX, FIRST, FIRST};
+    for (size_t i = 0; i < (size_t)SIDE * SIDE; ++i)
+        c->rgba[4 * i + 3] = alpha;
+    for (size_t i = 0; i < (size_t)SMALL * SMALL; ++i)
+        c->small[4 * i + 3] = small_alpha;
+    for (size_t i = 0; i < ISO_ADJOINT_PIXELS; ++i)
+        c->drawn[4 * i + 3] = (float)alpha / 65535;
+}
+
+/* The patch is the truth, pixel by pixel, and .1 from it in small, in the four boxes that the border does not cut. */
+TEST(a_patch_is_judged_in_small_too)
+{
+    loss_case c;
+    const double wrong = 6553.5 / 65535, slope = wrong / sqrt(wrong * wrong + 1e-4), boxes = 4.0 * BOX * BOX;
+    begin_loss(&c, 32768, 32768);
+    assert_within(iso_patch_loss(&c.truth, c.drawn, c.slopes), 0, 1e-3); /* floats: 1e-8 of each of 1,024 pixels */
+    begin_loss(&c, 32768, 26214);
+    const double expected = (double)ISO_SMALL_WEIGHT * boxes * (sqrt(wrong * wrong + 1e-4) - 0.01);
+    assert_within(iso_patch_loss(&c.truth, c.drawn, c.slopes), expected, 1e-3); /* and a half of 1/65535 */
+    for (size_t i = 0; i < ISO_ADJOINT_PIXELS; ++i) {
+        const bool counts = i % 32 < 2 * BOX && i / 32 < 2 * BOX;
+        assert_within((double)c.slopes[4 * i + 3], counts ? (double)ISO_SMALL_WEIGHT * slope : 0, 1e-4); /* the same */
+    }
+}
+
+/* Slopes against finite differences; 5e-3: floats of a loss of at most 20, with steps of 1/512. */
+TEST(slopes_are_those_of_the_loss)
+{
+    loss_case c;
+    float unused[4 * ISO_ADJOINT_PIXELS];
+    begin_loss(&c, 30000, 20000);
+    for (size_t i = 0; i < sizeof c.drawn / sizeof *c.drawn; ++i)
+        c.drawn[i] = 0.2f + 0.6f * (float)(i * 37 % 101) / 101;
+    for (size_t i = 0; i < sizeof c.rgba / sizeof *c.rgba; ++i)
+        c.rgba[i] = (uint16_t)(i * 7919 % 65536);
+    iso_patch_loss(&c.truth, c.drawn, c.slopes);
+    for (size_t i = 0; i < sizeof c.drawn / sizeof *c.drawn; i += 29) {
+        const float at = c.drawn[i], h = 1.0f / 512;
+        c.drawn[i] = at + h;
+        const double above = iso_patch_loss(&c.truth, c.drawn, unused);
+        c.drawn[i] = at - h;
+        const double below = iso_patch_loss(&c.truth, c.drawn, unused);
+        c.drawn[i] = at;
+        assert_within((double)c.slopes[i], (above - below) / (2 * (double)h), 5e-3);
+    }
 }
 
 /* ---- the gate ---------------------------------------------------------------------------------------------------- */

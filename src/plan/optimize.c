@@ -9,7 +9,7 @@
 #include "base/random.h"
 #include "compare/srgb.h"
 #include "fit/extinction_scale.h"
-#include "render/cpu/adjoint.h"
+#include "plan/patch_loss.h"
 
 enum { LEAST_PATCHES = 2 }; /* of a step: more steps are worth more than more patches */
 enum { BUFFERS = 4, MOST_VIEWS = 128, TILE = ISO_ADJOINT_TILE, PIXELS = ISO_ADJOINT_PIXELS };
@@ -21,7 +21,6 @@ enum { BUFFERS = 4, MOST_VIEWS = 128, TILE = ISO_ADJOINT_TILE, PIXELS = ISO_ADJO
 #define COLOR_RATE 0.02f      /* of the transfer function */
 #define EXTINCTION_RATE 0.04f /* of its logarithm */
 #define LAST_RATE 0.05f       /* of the first */
-#define SMALL_WEIGHT 0.3f     /* of the loss in small: with none the gate refuses more levels of large voxels */
 #define SHIFT 0.08            /* of the transfer function, of level 0's range */
 
 /* samples: rays' samples per coarse voxel */
@@ -145,45 +144,13 @@ static iso_status list_patches(training *t, iso_error *err)
 
 /* ---- steps ------------------------------------------------------------------------------------------------------ */
 
-/* Returns the loss of a float of a picture; *slope gets its derivative. */
-static float loss_of(float drawn, uint16_t truth, bool is_alpha, float *slope)
-{
-    const float x = drawn > 0 ? drawn < 1 ? drawn : 1 : 0;
-    const float root = is_alpha ? 0 : powf(x > 0.0031308f ? x : 0.0031308f, 1 / 2.4f);
-    const float shown = is_alpha ? x : x <= 0.0031308f ? 12.92f * x : 1.055f * root - 0.055f;
-    const float rate = is_alpha ? 1 : x <= 0.0031308f ? 12.92f : 1.055f / 2.4f * root / x;
-    const float d = shown - (float)truth / 65535, length = sqrtf(d * d + 1e-4f);
-    *slope = drawn >= 1 ? d > 0 ? rate * d / length : 0 : rate * d / length;
-    return length - 0.01f;
-}
-
-/* Adds the derivatives of the loss in small to the slopes. Returns the sum of the losses of the boxes' pixels. A box
- * that a picture's border cuts does not count. */
-static double loss_in_small(const training *t, const picture *c, const patch *at, const float *rgba, float *slopes)
-{
-    const size_t n = t->box, across = TILE / n, pixels = n * n;
-    double loss = 0;
-    for (size_t i = 0; i < 4 * across * across; ++i) {
-        const size_t x = i / 4 % across * n, y = i / 4 / across * n, k = i % 4;
-        const size_t truth = (at->y + y) / n * t->small_side + (at->x + x) / n;
-        float sum = 0, slope;
-        if (at->x + x + n > t->side || at->y + y + n > t->side)
-            continue;
-        for (size_t j = 0; j < pixels; ++j)
-            sum += rgba[4 * ((y + j / n) * TILE + x + j % n) + k];
-        loss += (double)pixels * (double)loss_of(sum / (float)pixels, c->small[4 * truth + k], k == 3, &slope);
-        for (size_t j = 0; j < pixels; ++j)
-            slopes[4 * ((y + j / n) * TILE + x + j % n) + k] += SMALL_WEIGHT * slope;
-    }
-    return (double)SMALL_WEIGHT * loss;
-}
-
 /* Draws a patch of the level and adds to the gradients of buffer b. Adds the sum of the losses to *loss. */
 static iso_status learn_patch(const training *t, const patch *at, uint32_t seed, int b, double *loss, iso_error *err)
 {
     const picture *c = &t->pictures[at->view];
     const iso_adjoint_field field = {t->geometry, t->field, t->octaves};
     const iso_adjoint_tile tile = {.x = at->x, .y = at->y, .seed = seed};
+    const iso_patch_truth truth = {c->rgba, c->small, t->side, t->small_side, t->box, at->x, at->y};
     const iso_adjoint_gradient gradient = {t->gradients[b], t->octave_gradients[b],
                                            c->is_edited ? NULL : t->tf_gradients[b]};
     iso_view view = c->view; /* borrowed */
@@ -191,14 +158,8 @@ static iso_status learn_patch(const training *t, const patch *at, uint32_t seed,
     if (!c->is_edited)
         view.tf = t->tf;
     iso_status status = iso_adjoint_draw(&field, &view, &tile, rgba, err);
-    for (size_t i = 0; i < 4 * PIXELS && status == ISO_OK; ++i) {
-        const size_t x = at->x + i / 4 % TILE, y = at->y + i / 4 / TILE;
-        slopes[i] = 0;
-        if (x < t->side && y < t->side)
-            *loss += (double)loss_of(rgba[i], c->rgba[4 * (y * t->side + x) + i % 4], i % 4 == 3, &slopes[i]);
-    }
     if (status == ISO_OK)
-        *loss += loss_in_small(t, c, at, rgba, slopes);
+        *loss += iso_patch_loss(&truth, rgba, slopes);
     TRY(status, iso_adjoint_differentiate(&field, &view, &tile, rgba, slopes, &gradient, err));
     return status;
 }

@@ -4,8 +4,8 @@
  *
  *     truth    pictures of level 0 from random directions. Most have a light from a random direction, a quarter of them
  *              a shifted transfer function of another opacity, so that the level stands other lights and small edits.
- *     step     patches of these pictures, drawn from the level with its own ray step; loss sqrt(d^2 + .01^2) - .01 of
- *              sRGB and alpha, at the pixels and in small, with pixels as large as the level's voxels; Adam [kingma-2015] with a falling rate
+ *     step     patches of these pictures, drawn from the level with its own ray step; their loss (patch_loss.h), also in
+ *              small, with pixels as large as the level's voxels; Adam [kingma-2015] with a falling rate
  *     limits   directions of at most 1; scalars at most half a range beyond level 0's; the extinction scale's bytes
  *
  * The level keeps its size, types and format, so that all renderers and exporters take it. It is made for one transfer
