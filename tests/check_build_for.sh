@@ -63,6 +63,17 @@ for pyramid in two o; do
 done
 check an_export_notes_that_they_are_no_data grep -aq 'optimized for pictures of one scene' o.vdb
 check but_not_of_a_plain_level bash -c '! grep -aq "optimized for pictures" two.vdb'
+for pyramid in two o; do
+    "$ISOSHADE" export $pyramid.iso --to vdb --for blender --scene "$scene" --level 1 -o $pyramid.baked.vdb -q
+    "$ISOSHADE" export $pyramid.iso --to pbrt --scene "$scene" --level 1 -o $pyramid.pbrt -q
+    "$ISOSHADE" export $pyramid.iso --to povray --scene "$scene" --level 1 -o $pyramid.pov -q
+done
+check other_exports_note_it_too grep -aq 'optimized for pictures of one scene' o.baked.vdb
+check in_a_scene_file grep -q 'optimized for pictures of one scene' o.pbrt/scene.pbrt
+check in_an_include_file grep -q 'optimized for pictures of one scene' o.pov/*.inc
+check and_only_of_such_a_level bash -c '! grep -raq "optimized for pictures" two.baked.vdb two.pbrt two.pov'
+refuse a_plan_has_no_optimized_bricks 2 "level 1 is optimized for a scene, and a plan makes its bricks from level 0" \
+    "$ISOSHADE" plan o.iso --scene "$scene" --levels 2 --brick 8 --size 32 -o o.plan.json
 expect they_validate 0 "$ISOSHADE" validate o.iso --scene "$scene" --quick --with gl --size 24 -q -o optimized
 expect they_are_charted 0 "$ISOSHADE" chart o.iso --scene "$scene" --with gl --steps 1 --quadratures midpoint --plans none --size 24 --budget 0 -q -o chart
 expect they_are_exported 0 "$ISOSHADE" export o.iso --to povray --scene "$scene" --level 1 -o pov2 -q

@@ -364,11 +364,12 @@ TEST(it_is_shown_under_its_own_transfer_function)
     iso_level_gate_close(&gate);
 }
 
-/* Under another transfer function it keeps its scale, since directions and scalars were made with it. */
-TEST(another_transfer_function_is_left_as_it_is)
+/* Under another transfer function it keeps its scale, since directions and scalars were made with it; an adapted one
+ * replaces the scale. */
+TEST(under_another_transfer_function_it_has_its_scale_or_is_adapted)
 {
     const iso_scene scene = surface_scene();
-    const iso_adapt_options adapt = iso_adapt_defaults();
+    iso_adapt_options adapt = iso_adapt_defaults();
     iso_scene_level levels[32];
     OWNED(iso_pyramid) p, loaded = optimized_and_loaded(&scene, &p, levels);
     const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
@@ -379,10 +380,15 @@ TEST(another_transfer_function_is_left_as_it_is)
     tf.entries[4 * 200 + 3] *= 1.001f;
     assert_ok(iso_level_look(&loaded, 1, &tf, &own, &found, &err));
     assert_true(!found && !own.entries);
-    assert_ok(iso_adapt_level(&loaded, 1, &tf, &adapt, &own, NULL, &err));
-    assert_true(iso_tf_table_equals(&own, &tf));
-    assert_ok(iso_extinction_scale_level(&loaded, 1, &tf, &own, 2, &bytes, &err));
+    assert_ok(iso_extinction_scale_level(&loaded, 1, &tf, &tf, 2, &bytes, &err));
     assert_memory_equal(bytes, p.levels[1].scale, count);
+    free(bytes);
+    adapt.fall_back = false;
+    assert_ok(iso_adapt_level(&loaded, 1, &tf, &adapt, &own, NULL, &err));
+    assert_false(iso_tf_table_equals(&own, &tf));
+    assert_ok(iso_extinction_scale_level(&loaded, 1, &tf, &own, 2, &bytes, &err));
+    for (size_t i = 0; i < count; ++i)
+        assert_int_equal(bytes[i], ISO_EXTINCTION_SCALE_ONE);
     free(bytes);
 }
 

@@ -175,6 +175,7 @@ iso_status iso_bake_save(const iso_baked *b, const iso_bake_request *r, int leve
                                 .rim = RIM,
                                 .level = level,
                                 .made_from = iso_provenance_name(made_from),
+                                .values = b->level->is_optimized ? ISO_OPTIMIZED_VALUES : "",
                                 .convention = r->convention,
                                 .half_float = r->half};
     iso_status status = iso_vdb_save_fields(&all, path, progress, err);

@@ -124,7 +124,7 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         const iso_geometry *g = &p->levels[level].geometry;
         const double voxel = space.units * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, g));
         json_t *levels = json_array();
-        const blender_level shown = {g, level, {0, 1}, vdb, roi_vdb};
+        const blender_level shown = {g, level, {0, 1}, vdb, roi_vdb, p->levels[level].is_optimized};
         iso_blender_append_level(levels, &shown, view, &space, &frames[0]);
         json_t *about = iso_blender_describe_scene(view, &space, g, "isoshade", &frames[0]);
         json_object_set_new(about, "levels", levels);
@@ -261,7 +261,8 @@ static json_t *describe_export(const export_job *e)
         char *roi_path = iso_blender_vdb_path(e->blend_path, k, e->count, true), roi_relative[NAME_MAX + 48];
         snprintf(relative, sizeof relative, "//%s", iso_path_base(path));
         snprintf(roi_relative, sizeof roi_relative, "//%s", iso_path_base(roi_path));
-        const blender_level level = {&e->p->levels[k].geometry, k, {i, region}, relative, roi_relative};
+        const iso_level *l = &e->p->levels[k];
+        const blender_level level = {&l->geometry, k, {i, region}, relative, roi_relative, l->is_optimized};
         iso_blender_append_level(levels, &level, &views[i], e->space, e->opt);
         region += views[i].roi != NULL;
         free(path);

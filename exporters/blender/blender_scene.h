@@ -70,6 +70,7 @@ typedef struct blender_level {
     size_t number;
     size_t tables[2]; /* numbers of its table, and of its region's table */
     const char *vdb, *roi_vdb;
+    bool is_optimized;
 } blender_level;
 
 /* Describes a volume object; geometry and step in Blender's space. */

@@ -49,6 +49,8 @@ def add_levels(about, shift, frame, look, collection):
         thing.location = [-shift * h for h in level["voxel_diagonal"]]
         give_material(thing, look)
         thing["isoshade_level"] = level["level"]
+        if "values" in level:
+            thing["isoshade_values"] = level["values"]
         tables = about["tf"]["tables"]
         thing["isoshade_table"] = table_properties(tables[level["table"]])
         thing["isoshade_ramp"] = float(tables[level["table"]]["ramp"])

@@ -292,6 +292,8 @@ void iso_blender_append_level(json_t *levels, const blender_level *l, const iso_
     const iso_geometry g = iso_blender_in_space(l->geometry, space);
     const double step = space->units * step_mm(view, l->geometry, opt);
     json_t *around = iso_blender_describe_level(&g, l->number, l->tables[0], l->vdb, step);
+    if (l->is_optimized)
+        json_object_set_new(around, "values", json_string(ISO_OPTIMIZED_VALUES));
     if (view->roi) {
         const iso_geometry finer = iso_blender_in_space(&view->roi->level.geometry, space);
         json_t *inside = iso_blender_describe_level(&finer, l->number, l->tables[1], l->roi_vdb, step);

@@ -126,6 +126,7 @@ def explain(about, shift):
     if any("roi" in level for level in about["levels"]):
         several += ('The object "... roi" is a finer level inside a box; in the band around the box both are blended. Its properties\n'
                     'isoshade_roi_* and those of the volume around it must be the same except the side.\n')
+    several += "".join("Values of level {level}: {values}.\n".format(**level) for level in about["levels"] if "values" in level)
     far = ("The volume is far from the world's origin, and Blender's positions have single precision: the origin of this\n"
            "file is the point ({:.17g}, {:.17g}, {:.17g}) of the world, in millimeters.\n".format(*about["origin_mm"])
            if any(about["origin_mm"]) else "")

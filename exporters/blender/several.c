@@ -58,7 +58,7 @@ static void describe_level(const several_job *job, const iso_pyramid *p, const i
     char relative[NAME_MAX + 48], *path = grid_path(job, name, number);
     snprintf(relative, sizeof relative, "//%s", iso_path_base(path ? path : ""));
     free(path);
-    const blender_level level = {&p->levels[number].geometry, number, {k, 0}, relative, ""};
+    const blender_level level = {&p->levels[number].geometry, number, {k, 0}, relative, "", p->levels[number].is_optimized};
     iso_blender_append_level(levels, &level, view, &job->space, &job->opt);
 }
 

@@ -100,6 +100,7 @@ void iso_medium_print_source(const iso_medium *m, FILE *f)
 {
     for (const char *c = iso_provenance_title(m->made_from); *c; ++c)
         fputc(isalnum((unsigned char)*c) || strchr("._ ", *c) ? *c : '_', f);
+    fputs(m->baked->level->is_optimized ? "; values: " ISO_OPTIMIZED_VALUES : "", f);
 }
 
 iso_status iso_medium_open(const char *folder, const char *name, char **path, FILE **f, iso_error *err)

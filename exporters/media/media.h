@@ -38,7 +38,7 @@ void iso_medium_point(const iso_medium *m, size_t x, size_t y, size_t z, float *
 iso_status iso_medium_write_pbrt(const iso_medium *m, const char *folder, iso_error *err);
 iso_status iso_medium_write_mitsuba(const iso_medium *m, const char *folder, iso_error *err);
 
-/* Prints made_from, in characters that comments of any language can hold. */
+/* Prints made_from, in characters that comments of any language can hold, and a note on optimized values. */
 void iso_medium_print_source(const iso_medium *m, FILE *f);
 /* Closes f. ISO_E_IO: a write failed. path: for the message. */
 iso_status iso_medium_close(FILE *f, const char *path, iso_error *err);

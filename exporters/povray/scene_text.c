@@ -45,6 +45,7 @@ static void write_header(FILE *f, const iso_povray_scene *s)
     fprintf(f,
             "// %s.inc - a shaded volume, made by isoshade: level %zu of %s,\n"
             "// %zu x %zu x %zu voxels of %.6g x %.6g x %.6g mm.\n"
+            "%s"
             "//\n"
             "//     #include \"%s.inc\"\n"
             "//     object { %s transform { Iso_To_World } }\n"
@@ -72,7 +73,8 @@ static void write_header(FILE *f, const iso_povray_scene *s)
             "#ifndef (Iso_Scale) #declare Iso_Scale = 1; #end\n"
             "#ifndef (Iso_Shadows) #declare Iso_Shadows = on; #end\n"
             "#ifndef (Iso_Scattering) #declare Iso_Scattering = 0; #end\n\n",
-            s->name, s->level, s->source, g->size[0], g->size[1], g->size[2], h[0], h[1], h[2], s->name, object_name(s),
+            s->name, s->level, s->source, g->size[0], g->size[1], g->size[2], h[0], h[1], h[2],
+            s->voxels->is_optimized ? "// Values: " ISO_OPTIMIZED_VALUES ".\n" : "", s->name, object_name(s),
             object_name(s), ISO_POVRAY_UNITS_ACROSS, s->options->intervals);
 }
 

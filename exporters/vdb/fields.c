@@ -101,6 +101,7 @@ static iso_status note(const fields_file *to, const iso_vdb_fields *f, iso_error
 {
     const char *const entries[][2] = {{"creator", "isoshade " ISO_VERSION},
                                       {"source", f->made_from},
+                                      {"values", f->values},
                                       {"units", f->convention.unit}};
     for (size_t i = 0; i < sizeof entries / sizeof *entries; ++i) {
         iso_vdb_message message = {""};

@@ -52,6 +52,7 @@ typedef struct iso_vdb_fields {
     size_t rim; /* points beyond the geometry that may be active; they repeat the values at its faces */
     int level;
     const char *made_from; /* file name without folder */
+    const char *values;    /* note on the level's values; "" if they are data */
     iso_vdb_convention convention;
     bool half_float;
     int threads; /* 0: all cores */

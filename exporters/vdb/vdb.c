@@ -150,7 +150,7 @@ static iso_status note_optimized(const iso_vdb_job *job, const save_job *what, i
     bool is_optimized = false;
     for (size_t i = 0; what->pyramid && i < what->count; ++i)
         is_optimized = is_optimized || what->pyramid->levels[what->first + i].is_optimized;
-    return is_optimized ? note(job, "values", "optimized for pictures of one scene, no data", err) : ISO_OK;
+    return is_optimized ? note(job, "values", ISO_OPTIMIZED_VALUES, err) : ISO_OK;
 }
 
 static iso_status add(const iso_vdb_job *job, const save_job *what, size_t i, iso_vdb_grids *grids, iso_error *err)

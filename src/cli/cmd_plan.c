@@ -191,6 +191,18 @@ static void warn_of_views(const iso_cli *cli, const iso_pyramid *p, const iso_vi
         iso_cli_warn_view(cli, p, &views[i], NULL, &warned);
 }
 
+/* Refuses levels for a scene: a plan's bricks have nodes at other places, and one transfer function for all. */
+static iso_status refuse_optimized(const iso_pyramid *p, const char *path, iso_error *err)
+{
+    for (size_t k = 1; k < p->level_count; ++k)
+        if (p->levels[k].is_optimized)
+            return iso_fail(err, ISO_E_USAGE,
+                            "%s: level %zu is optimized for a scene, and a plan makes its bricks from level 0; plan the "
+                            "volume, or build without --for",
+                            path, k);
+    return ISO_OK;
+}
+
 static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *err)
 {
     const iso_cli_stage stages[] = {{"pyramid", 1}, {"plan", 3}, {"verify", 3}};
@@ -209,6 +221,7 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     TRY(status, iso_planner_check_views(&look, err));
     TRY(status, iso_subject_begin_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err));
     TRY(status, iso_subject_refuse_labels(&pyramid, cli->arguments[0], "a plan", err));
+    TRY(status, refuse_optimized(&pyramid, cli->arguments[0], err));
     TRY(status, iso_planner_load_views(&look, (size_t)a->views, &pyramid, &views, &view_count, err));
     if (status == ISO_OK)
         warn_of_views(cli, &pyramid, views, view_count);

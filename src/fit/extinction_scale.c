@@ -382,10 +382,10 @@ iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_ta
 }
 
 /* Copies the level's own scale; 1 if it has none. */
-static void copy_own(const iso_level *l, uint8_t *bytes)
+static void copy_own(const iso_level *l, bool goes, uint8_t *bytes)
 {
     const size_t count = iso_geometry_voxel_count(&l->geometry);
-    if (l->scale)
+    if (l->scale && !goes)
         memcpy(bytes, l->scale, count);
     else
         memset(bytes, ISO_EXTINCTION_SCALE_ONE, count);
@@ -405,7 +405,8 @@ iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const 
     if (status == ISO_OK && !(*bytes = malloc(iso_geometry_voxel_count(&l->geometry))))
         status = iso_fail(err, ISO_E_MEMORY, "extinction scale: no memory for one byte per voxel");
     if (status == ISO_OK && (is_made_for || l->is_optimized || l->geometry.has_no_data)) {
-        copy_own(l, *bytes);
+        const bool is_adapted = l->is_optimized && !is_made_for && !iso_tf_table_equals(original, own);
+        copy_own(l, is_adapted, *bytes);
     } else if (status == ISO_OK) {
         status = iso_extinction_scaler_create(&p->levels[0], l, level, threads, &s, err);
         TRY(status, iso_extinction_scaler_apply(s, original, own, *bytes, NULL, err));

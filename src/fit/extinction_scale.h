@@ -53,6 +53,7 @@ iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_ta
                                        uint8_t *bytes, iso_extinction_scale_cost *cost, iso_error *err);
 
 /* Does all of it for one level of a pyramid: *bytes is allocated, to be freed; NULL for level 0. Copies the scale of a
- * level that was made for `original` (tf/level_look.h) or is optimized: 168 if it has none. */
+ * level that was made for `original` (tf/level_look.h) or is optimized: 168 if it has none, or if `own` is adapted to an
+ * optimized one, which replaces its scale. */
 iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const iso_tf_table *original,
                                       const iso_tf_table *own, int threads, uint8_t **bytes, iso_error *err);

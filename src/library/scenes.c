@@ -241,7 +241,8 @@ iso_status iso_library_view(const iso_library_look *look, const iso_pyramid *p, 
     TRY(status, iso_view_take_level(view, p, level, &found, err));
     if (status == ISO_OK && look->region)
         status = add_region(look, p, level, view, err);
-    const bool scales = look->extinction_scale && !found && level > 0;
+    const bool has_own = level > 0 && p->levels[level].is_optimized && p->levels[level].scale;
+    const bool scales = (look->extinction_scale || has_own) && !found && level > 0;
     if (status == ISO_OK && scales && p->levels[level].geometry.has_no_data)
         return iso_fail(err, ISO_E_RANGE, "some voxels have no data, and the share that has scales the extinction of "
                                           "coarse levels; ask for no extinction scale");

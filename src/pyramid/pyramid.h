@@ -150,11 +150,14 @@ typedef struct iso_level {
     const json_t *segments;    /* borrowed: the pyramid's */
     bool made_for_scene;       /* True if the scalar is not from the pyramid's filter; iso_pyramid.made_for describes
                                 * it */
-    bool is_optimized;         /* True if the directions are not either: found for one scene (plan/optimize.h) */
+    bool is_optimized;         /* True if the directions are not either: found for one scene (plan/optimize.h). Exports
+                                * then note ISO_OPTIMIZED_VALUES */
     /* For renders from a palette: borrowed, neither stored nor freed here; NULL, or one index per voxel. */
     const iso_palette *palette;
     const uint16_t *palette_index;
 } iso_level;
+
+#define ISO_OPTIMIZED_VALUES "optimized for pictures of one scene, no data"
 
 /* Unit of the lengths in a volume's file. All lengths in the pyramid are in mm. */
 typedef struct iso_pyramid_unit {

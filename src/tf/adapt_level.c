@@ -138,7 +138,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_tabl
     *table = (iso_tf_table){0};
     bool is_made_for = false;
     iso_status status = iso_level_look(p, level, tf, table, &is_made_for, err);
-    if (status != ISO_OK || is_made_for || level == 0 || (level < p->level_count && p->levels[level].is_optimized)) {
+    if (status != ISO_OK || is_made_for || level == 0) {
         verdict.use_original = !is_made_for || (iso_tf_table_equals(table, tf) && !p->levels[level].scale);
         if (judgment)
             *judgment = verdict;

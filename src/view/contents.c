@@ -262,6 +262,8 @@ static json_t *level_json(const iso_level *level, size_t k)
     json_t *json = geometry_json(&level->geometry);
     json_object_update_new(json, json_pack("{s:I, s:f, s:f, s:b}", "level", (json_int_t)k, "min", level->min, "max",
                                            level->max, "labels", level->labels));
+    if (level->is_optimized)
+        json_object_set_new(json, "values", json_string(ISO_OPTIMIZED_VALUES));
     return json;
 }
 

@@ -91,7 +91,7 @@ const makeSlices = (root, data, state, {caster, frames, worker, most}, moved) =>
         const value = voxelValue(level, voxel), name = data.segments?.find(s => s.label === value)?.name;
         const of = level.level ? ` of level ${level.level}` : '', named = name ? ` ${name}` : '';
         const digits = `${Number(value.toPrecision(7))}${data.value_unit && !named ? ` ${data.value_unit}` : ''}`;
-        const text = Number.isNaN(value) ? 'no data' : digits + named, over = data.overlay;
+        const text = level.values ?? (Number.isNaN(value) ? 'no data' : digits + named), over = data.overlay;
         const other = over ? ` · ${over.name} ${Number(valueThere(over.level, point).toPrecision(7))}` : '';
         return `voxel ${voxel.join(' ')}${of} · ${point.map(x => x.toFixed(2)).join(', ')} mm · ${text}${other}`;
     };
