@@ -197,7 +197,7 @@ check its_pictures_are_those_of_render in_the_figure print0.png print1.png print
 notice another_picture_is_noticed in_the_figure other.png
 expect renderers_of_a_volume 0 "$ISOSHADE" figure v.nrrd --formats pdf --scene "$top/refscenes/shells.scene.json" --size 24x15 --kind renderers --with gl --dpi 72 --width 85 -o two -q
 check the_caption_names_what_differs grep -q 'OpenGL ray caster: RMSE 0' two/caption.txt
-refuse methods_are_of_reports 2 'for figures of a report' "$ISOSHADE" figure v.nrrd --methods naive -o f
+refuse methods_of_levels_are_two 2 'default, optimized or' "$ISOSHADE" figure v.nrrd --methods naive -o f
 refuse pictures_of_a_report_are_there 2 'with its own pictures' "$ISOSHADE" figure four --size 20 -o f
 refuse levels_that_are_not_there 5 'would show level 9' "$ISOSHADE" figure v.nrrd --levels 10 -o f -q
 refuse a_folder_that_is_not_there 3 nowhere "$ISOSHADE" figure four -o nowhere/figure

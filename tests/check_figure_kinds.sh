@@ -55,7 +55,7 @@ check a_chart_needs_no_kind "$ISOSHADE" figure tried --width 85 --dpi 72 --forma
 check and_is_drawn_as_with_one cmp usual/caption.txt chart/caption.txt
 kind plan v.nrrd --error 0.2 --size 48 # the size that plans are measured at
 kind slices v.nrrd --levels 2 --map viridis
-kind levels v.nrrd --levels 2
+kind levels v.nrrd --levels 2 --methods default,optimized
 kind grid v.nrrd --with gl,cpu --levels 2 --adapt
 kind renderers v.nrrd --with gl --level 1 --size 48x24
 more=" frames turntable.png"
@@ -64,6 +64,9 @@ forms=svg,png,latex more=" figure.png figure.svg"
 kind methods v.nrrd --level 1 --methods moments+adapted,optimized --zoom 0.4,0.3,0.25,0.25
 check an_optimized_level_is_nearer python3 -c 'import re
 built, best = (float(x) for x in re.findall(r"1 - SSIM ([0-9.e-]+)", open("methods/caption.txt").read()))
+assert best < 0.95 * built, (built, best)'
+check in_a_figure_of_levels_too python3 -c 'import re
+built, best = (float(x) for x in re.findall(r"1 - SSIM ([0-9.e-]+)", open("levels/caption.txt").read()))
 assert best < 0.95 * built, (built, best)'
 latex_takes latex_takes_each_kind $kinds_of_volumes
 # A grid has levels downward and renderers across: a picture for each pair with the reference, and a bar.

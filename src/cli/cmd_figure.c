@@ -150,7 +150,8 @@ const iso_command iso_command_figure = {
         "validate` wrote; its pictures are enlarged by whole factors, and --scene names one scene of a suite.\n"
         "--sources keeps figure.gp: edit it or style.gp and run gnuplot there.\n"
         "--methods: on-the-fly, naive, eq1 and moments make directions in different ways, under the original transfer function;\n"
-        "with +adapted, such as naive+adapted, under the one adapted to each level; optimized is the level of build --for.",
+        "with +adapted, such as naive+adapted, under the one adapted to each level; optimized is the level of build --for.\n"
+        "--kind levels takes default,optimized.",
     .lists = (const iso_names *const[]){&iso_figure_kind_names, &iso_colormap_names, &iso_tf_preset_names,
                                         &iso_viewpoint_names, NULL},
     .common =

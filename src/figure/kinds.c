@@ -102,8 +102,8 @@ static iso_status check_options(const iso_figure_job *job, bool of_report, iso_e
             "%s is a report, with its own pictures; --with, --levels, --adapt, --tf, --view, --zoom, --size "
             "and --background are for figures of a volume",
             job->input);
-    if (!of_report && (job->kind->takes & ISO_FIGURE_OF_REPORT) && (job->methods || job->variant))
-        return iso_fail(err, ISO_E_USAGE, "--methods and --variant are for figures of a report");
+    if (!of_report && (job->kind->takes & ISO_FIGURE_OF_REPORT) && job->variant)
+        return iso_fail(err, ISO_E_USAGE, "--variant is for figures of a report");
     if (of_report && look->scene && !strcmp(job->kind->name, "levels"))
         return iso_fail(err, ISO_E_USAGE, "--scene is for --kind renderers of a report");
     return ISO_OK;

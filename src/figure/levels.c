@@ -13,11 +13,19 @@
 enum { USUAL_LEVELS = 4 };
 
 typedef struct shown {
-    bool of_levels;
-    iso_figure_subject subject;
-    const iso_renderer_info *with[ISO_MAX_RENDERERS + ISO_FIGURE_MOST_LEVELS]; /* of a column */
-    size_t level[ISO_MAX_RENDERERS + ISO_FIGURE_MOST_LEVELS];
+    iso_figure_subject subject, optimized; /* optimized: its levels are; empty if no column shows them */
+    const iso_renderer_info *with[ISO_FIGURE_MOST_COLUMNS];
+    size_t level[ISO_FIGURE_MOST_COLUMNS];
+    bool is_optimized[ISO_FIGURE_MOST_COLUMNS];
 } shown;
+
+/* Does the same as build --for with the scene, for levels from `first` on. */
+static iso_status optimize_levels(iso_figure_subject *s, size_t first, iso_error *err)
+{
+    const iso_optimize_options opt = {.effort = ISO_EFFORT_NORMAL, .seed = 1};
+    const iso_progress progress = iso_cli_progress(s->job->cli);
+    return iso_scene_levels_make(&s->pyramid, first, &s->scene, &opt, s->job->cli->threads, NULL, &progress, err);
+}
 
 static iso_status render(void *user, size_t column, size_t width, size_t height, iso_image *image, double *mm_per_pixel,
                          iso_error *err)
@@ -27,18 +35,28 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
                                      .level = s->level[column],
                                      .width = width,
                                      .height = height};
-    return iso_figure_render(&s->subject, &what, image, mm_per_pixel, err);
+    return iso_figure_render(s->is_optimized[column] ? &s->optimized : &s->subject, &what, image, mm_per_pixel, err);
 }
 
+/* Chooses level 0, and of each other level the default, the optimized one, or both by --methods. */
 static iso_status choose_levels(const iso_figure_job *job, shown *s, iso_figure_columns *c, iso_error *err)
 {
     const iso_renderer_info *with = NULL;
     const iso_status status = iso_figure_renderer(job, &with, err);
-    c->count = job->levels ? (size_t)job->levels : USUAL_LEVELS;
-    for (size_t i = 0; i < c->count; ++i) {
-        s->with[i] = with;
-        s->level[i] = i;
-        snprintf(c->titles[i], sizeof c->titles[i], "level %zu", i);
+    const char *const methods = job->methods ? job->methods : "default";
+    const bool both = !strcmp(methods, "default,optimized"), plain = both || !strcmp(methods, "default");
+    const size_t count = job->levels ? (size_t)job->levels : USUAL_LEVELS;
+    if (!plain && strcmp(methods, "optimized") != 0)
+        return iso_fail(err, ISO_E_USAGE, "--methods is \"%s\", levels of a volume are default, optimized or "
+                                          "default,optimized", methods);
+    for (size_t i = 0; i < 2 * count; ++i) {
+        const bool is_optimized = i % 2 == 1;
+        if (is_optimized ? i == 1 || (plain && !both) : i > 0 && !plain)
+            continue;
+        s->with[c->count] = with;
+        s->level[c->count] = i / 2;
+        s->is_optimized[c->count] = is_optimized;
+        snprintf(c->titles[c->count++], sizeof *c->titles, "level %zu%s", i / 2, is_optimized ? ", optimized" : "");
     }
     return status;
 }
@@ -58,12 +76,23 @@ static iso_status choose_renderers(const iso_figure_job *job, shown *s, iso_figu
     return status;
 }
 
+static iso_status load_levels(const iso_figure_job *job, shown *s, size_t last, iso_error *err)
+{
+    iso_status status = iso_figure_subject_load(&s->subject, job, s->level[last] + 1, NULL, err);
+    if (status != ISO_OK || !s->is_optimized[last])
+        return status;
+    if (iso_pyramid_is_one(job->input))
+        return iso_fail(err, ISO_E_USAGE, "--methods optimized builds a pyramid: give the volume, not %s", job->input);
+    status = iso_figure_subject_load(&s->optimized, job, s->level[last] + 1, NULL, err);
+    return status == ISO_OK ? optimize_levels(&s->optimized, 1, err) : status;
+}
+
 static iso_status draw_volume(const iso_figure_job *job, bool of_levels, iso_page *page, iso_error *err)
 {
-    shown s = {.of_levels = of_levels};
+    shown s = {0};
     iso_figure_columns c = {.job = job, .compared = true, .in_logs = !of_levels, .render = render, .user = &s};
     iso_status status = of_levels ? choose_levels(job, &s, &c, err) : choose_renderers(job, &s, &c, err);
-    TRY(status, iso_figure_subject_load(&s.subject, job, s.level[c.count - 1] + 1, NULL, err));
+    TRY(status, load_levels(job, &s, c.count - 1, err));
     if (status == ISO_OK) {
         FILE *f = iso_page_caption(page);
         fputs(of_levels ? "Levels" : "Renderers", f);
@@ -78,6 +107,7 @@ static iso_status draw_volume(const iso_figure_job *job, bool of_levels, iso_pag
         status = iso_figure_draw_columns(&c, page, err);
     }
     iso_figure_subject_end(&s.subject);
+    iso_figure_subject_end(&s.optimized);
     return status;
 }
 
@@ -184,14 +214,6 @@ static iso_status choose_methods(const char *list, methods_shown *s, iso_figure_
     return status;
 }
 
-/* Does the same as build --for with the scene. */
-static iso_status optimize_level(iso_figure_subject *s, size_t level, iso_error *err)
-{
-    const iso_optimize_options opt = {.effort = ISO_EFFORT_NORMAL, .seed = 1};
-    const iso_progress progress = iso_cli_progress(s->job->cli);
-    return iso_scene_levels_make(&s->pyramid, level, &s->scene, &opt, s->job->cli->threads, NULL, &progress, err);
-}
-
 static iso_status load_methods(const iso_figure_job *job, methods_shown *s, size_t count, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
@@ -204,7 +226,7 @@ static iso_status load_methods(const iso_figure_job *job, methods_shown *s, size
             build.direction_filter = s->method[i]->filter;
         status = iso_figure_subject_load(&s->subject[i], job, i > 0 ? s->level + 1 : 1, &build, err);
         if (status == ISO_OK && i > 0 && s->method[i]->as == FOR_SCENE)
-            status = optimize_level(&s->subject[i], s->level, err);
+            status = optimize_levels(&s->subject[i], s->level, err);
     }
     return status;
 }
