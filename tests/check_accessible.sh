@@ -17,7 +17,8 @@ sed 's/"tf": "sharp"/"tf": "smooth"/; s/"opacity": 0.7/"opacity": 0.9999/' "$top
 "$ISOSHADE" bench all --quick --repeat 1 --only build-memory --page bench.html -q >/dev/null
 pages=(v.html v.html#compact v.html#slices)
 for page in failed good diff site chart; do pages+=($page/index.html); done
-pages+=(bench.html)
+"$ISOSHADE" atlas --case noise -q -o atlas >/dev/null
+pages+=(bench.html atlas/index.html)
 has_files there . "${pages[@]%#*}"
 
 # ---- the keyboard ----

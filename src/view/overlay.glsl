@@ -17,8 +17,9 @@ float over_at(vec3 p) { return over_labels ? textureLod(over_scalar, p, 0.0).r :
 vec4 over_classify(vec3 p)
 {
     float x = clamp(over_at(p) * over_tf_scale + over_tf_offset, 0.0, float(over_tf_count - 1));
-    int i = min(int(x), over_tf_count - 2);
-    return mix(texelFetch(over_tf, ivec2(i, 0), 0), texelFetch(over_tf, ivec2(i + 1, 0), 0), x - float(i));
+    float i = min(floor(x), float(over_tf_count - 2)), texel = 1.0 / float(over_tf_count);
+    vec2 place = vec2((i + 0.5) * texel, 0.5); // by coordinates, like tf_row()
+    return mix(textureLod(over_tf, place, 0.0), textureLod(over_tf, place + vec2(texel, 0.0), 0.0), x - i);
 }
 
 // Differences of the scalar, as in normal_at().
