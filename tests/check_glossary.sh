@@ -8,7 +8,7 @@ glossary=$top/doc/reference/glossary.md
 terms="voxel|spacing|trilinear|transfer function|extinction|opacity|ray step|quadrature|isosurface|shading
 |premultiplied|gradient|estimator|coherence|moments|agreement|direction code|hole|palette|level|pyramid
 |joint histogram|small views|brick|mixed resolution|plan|slab|rank|scene|reference|renderer
-|calibration|limit|baseline|atlas|front|RMSE|SSIM|FLIP|NRRD|NIfTI|OpenVDB|DF3|EXR"
+|calibration|limit|atlas|front|RMSE|SSIM|FLIP|NRRD|NIfTI|OpenVDB|DF3|EXR"
 
 commands=$("$ISOSHADE" --help | sed -n 's/^  \([a-z][a-z]*\)  .*/\1/p')
 for command in $commands; do "$ISOSHADE" "$command" --help=all; done >help.txt 2>/dev/null

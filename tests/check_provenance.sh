@@ -55,7 +55,7 @@ outputs() {
     "$ISOSHADE" validate "$plant/s.nrrd" $S --with gl --quick --size 12 --levels 2 --level-size 32 --anyway -o "$dir/made/r" --junit "$dir/made/j.xml" -q "$@" >>log 2>&1
     [ -f made/r/report.json ] || echo "no report" >>failures
     run figure "$dir/made/r" -o "$dir/made/f"
-    run baseline "$dir/made/r" "$dir/made/accepted.json" --update
+    run report diff "$dir/made/accepted.json" "$dir/made/r" --accept
 }
 all_made() { [ ! -s failures ] && ok "$1" || not_ok "$1" "$(cat failures; tail -n 3 log)"; }
 holding() { grep -rlaE "$1" made | sort; }

@@ -38,8 +38,8 @@ END
 check junit_has_the_common_form python3 junit.py report.xml
 sed 's/ failures="0"/ failures="1"/' report.xml >planted.xml
 expect a_wrong_count_in_it_is_noticed 1 python3 junit.py planted.xml
-check a_baseline_is_taken "$ISOSHADE" baseline report accepted.json --update
-check and_holds "$ISOSHADE" baseline report accepted.json
+check a_baseline_is_taken "$ISOSHADE" report diff accepted.json report --accept
+check and_holds "$ISOSHADE" report diff accepted.json report --worse
 check all_scenes_of_the_folder_name_tier_and_reason test "$(grep -l '"tier": .*"why": "..' "$suite"/*.scene.json | wc -l)" = "$(ls "$suite" | wc -l)"
 
 # Scenes at a time are a matter of speed alone.

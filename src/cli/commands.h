@@ -20,7 +20,6 @@
     X(compare) \
     X(chart) \
     X(figure) \
-    X(baseline) \
     X(report) \
     X(certificate) \
     X(atlas) \

@@ -17,7 +17,7 @@
  * The machine is shown and does not count. Dates, commands and durations are not compared.
  *
  * The later report B is worse if a verdict is less certain than in A (in this order: agree or pass, not compared,
- * refused, differ or fail), if a figure or a limit grew or became NaN, or if a row disappeared: isoshade baseline.
+ * refused, differ or fail), if a figure or a limit grew or became NaN, or if a row disappeared: report diff --worse.
  *
  * A picture of both reports differs if any bit does. It counts if the RMSE between the two is above the tolerance of
  * its row's RMSE. */

@@ -22,7 +22,7 @@ from world import COMMANDS, World, environment, listing, words
 
 KILLED = ["make", "make gzip", "build", "build again", "build --resume", "render reference", "tf adapt", "tf show", "palette",
           "plan", "export vdb", "export nanovdb", "export povray", "export pbrt", "export paraview", "view",
-          "baseline --update", "report diff", "figure report", "render gl", "chart", "validate", "render povray",
+          "report diff --accept", "report diff", "figure report", "render gl", "chart", "validate", "render povray",
           "render cycles", "export blender"]
 
 

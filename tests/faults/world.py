@@ -30,7 +30,7 @@ FIXTURES = {
     "s.nrrd": "make shells --size 12x10x11 -o s.nrrd -q",
     "s.iso": "build s.nrrd -o s.iso --levels 2 -q",
     "r": "validate s.nrrd --scene {S} --with reference,gl --quick --levels 2 --size 12 --anyway -o r -q",
-    "b.json": "baseline r b.json --update -q",
+    "b.json": "report diff b.json r --accept -q",
     "p.json": "plan s.nrrd --scene {S} --size 16 --error 0.05 -o p.json -q",
 }
 # Volumes of other formats, which are read within isoshade or by a program of its own: of tests/fuzz/seeds.
@@ -63,8 +63,8 @@ COMMANDS = {
     "export mitsuba": ("s.iso", "export s.iso --scene {S} --to mitsuba -o o -q"),
     "export paraview": ("s.iso", "export s.iso --scene {S} --to paraview -o o -q"),
     "view": ("s.iso", "view s.iso --scene {S} --size 16 -o o.html -q"),
-    "baseline": ("r b.json", "baseline r b.json -q"),
-    "baseline --update": ("r", "baseline r b.json --update -q"),
+    "report diff --worse": ("r b.json", "report diff b.json r --worse -q"),
+    "report diff --accept": ("r", "report diff b.json r --accept -q"),
     "report diff": ("r", "report diff r r -o o --summary-md o.md -q"),
     "figure report": ("r", "figure r -o o -q"),
     "atlas": ("", "atlas --case code-poles -o o -q"),
