@@ -75,7 +75,31 @@ check and_only_of_such_a_level bash -c '! grep -raq "optimized for pictures" two
 refuse a_plan_has_no_optimized_bricks 2 "level 1 is optimized for a scene, and a plan makes its bricks from level 0" \
     "$ISOSHADE" plan o.iso --scene "$scene" --levels 2 --brick 8 --size 32 -o o.plan.json
 expect they_validate 0 "$ISOSHADE" validate o.iso --scene "$scene" --quick --with gl --size 24 -q -o optimized
-expect they_are_charted 0 "$ISOSHADE" chart o.iso --scene "$scene" --with gl --steps 1 --quadratures midpoint --plans none --size 24 --budget 0 -q -o chart
+# The chart shows them as render does: the command of each transfer function gives its row's error again, within the
+# table's nine digits. The planted fault leaves out the scale.
+expect they_are_charted 0 "$ISOSHADE" chart o.iso --scene "$scene" --full-paths --with gl --steps 1 \
+    --quadratures midpoint --plans none --size 24 --budget 0 -q -o chart
+row() { python3 "$top/tests/column.py" chart/pareto.csv "$1" level=1 shading_from=fit tf="$2"; } # COLUMN TF
+difference() { # TF PYRAMID: between the row's error and that of the rendered picture
+    local command
+    command=$(row command "$1")
+    (PATH=$(dirname "$ISOSHADE"):$PATH && eval "${command/o.iso/$2}" -q) >/dev/null &&
+        { "$ISOSHADE" compare setting.exr chart/reference.exr --json >errors.json || test $? = 1; } &&
+        awk "BEGIN {d = $(row rmse "$1") - $(json_number errors.json rmse); print d < 0 ? -d : d}"
+}
+cp -r o.iso unscaled.iso
+payload='import sys; print(sum(len(open(name, "rb").read().split(b"\n\n", 1)[1]) for name in sys.argv[1:]))' # of NRRDs
+PYTHONPATH=$top/tests "$python" -c 'import json, read_iso
+path = "unscaled.iso/pyramid.json"
+description = json.load(open(path))
+del description["levels"][1]["files"]["scale"]
+read_iso.write_description(path, description)'
+for tf in original adapted deviation; do
+    holds "render_gives_the_error_of_tf_$tf" "$(difference $tf o.iso) < 1e-8"
+    holds "a_missing_scale_is_noticed_with_tf_$tf" "$(difference $tf unscaled.iso) > 1e-4"
+done
+check the_bytes_are_those_of_the_files test "$(row stored_bytes original)" = \
+    "$(python3 -c "$payload" o.iso/level_1{,_dir,_scale}.nrrd)"
 expect they_are_exported 0 "$ISOSHADE" export o.iso --to povray --scene "$scene" --level 1 -o pov2 -q
 check with_their_scale ls pov2/*_scale.df3
 refuse a_target_without_scales_refuses_them 2 'paraview does not support extinction scales' \

@@ -11,13 +11,12 @@
 #include "base/provenance.h"
 #include "chart/picture.h"
 #include "compare/metrics.h"
+#include "options/adapted.h"
 #include "plan/cached.h"
 #include "pyramid/palette_level.h"
 #include "renderers/gl.h"
 #include "plan/planner.h"
 #include "scene/subject.h"
-#include "tf/adapt.h"
-#include "tf/level_look.h"
 
 /* A frame is drawn up to MOST_FRAMES times while that takes less than FRAMES_SECONDS. */
 enum { MOST_FRAMES = 5, HASTY_FRAMES = 2 };
@@ -74,6 +73,8 @@ static iso_status add_scene(iso_chart_bench *b, const iso_subject_look *look, is
     iso_chart_scene *scene = &b->scenes[b->scene_count++];
     scene->path = look->scene;
     name_scene(b, scene);
+    if (!(scene->looks = calloc(ISO_CHART_MAX_LEVELS * ISO_CHART_TFS, sizeof *scene->looks)))
+        return iso_fail(err, ISO_E_MEMORY, "chart: no memory for views");
     iso_status status = iso_subject_make_scene(look, &b->first, &scene->scene, err);
     return status == ISO_OK ? iso_scene_resolve(&scene->scene, &b->first.levels[0].geometry, iso_pyramid_lo(&b->first),
                                                 iso_pyramid_hi(&b->first), &scene->view, err)
@@ -99,11 +100,9 @@ iso_status iso_chart_bench_open(iso_chart_bench *b, const iso_chart_subject *s, 
 
 static void close_scene(iso_chart_scene *scene)
 {
-    for (size_t k = 0; k < ISO_CHART_MAX_LEVELS; ++k) {
-        iso_tf_table_destroy(&scene->adapted[k]);
-        for (size_t i = 0; i < 2; ++i)
-            iso_tf_2d_destroy(&scene->tf_2d[k][i]);
-    }
+    for (size_t i = 0; i < ISO_CHART_MAX_LEVELS * ISO_CHART_TFS && scene->looks; ++i)
+        iso_view_destroy(&scene->looks[i]);
+    free(scene->looks);
     iso_plan_destroy(&scene->plan);
     iso_image_destroy(&scene->reference);
     iso_view_destroy(&scene->view);
@@ -176,18 +175,31 @@ static iso_status need_pyramid(iso_chart_bench *b, const iso_chart_case *c, iso_
     return status;
 }
 
-static iso_status need_tf(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
+static iso_view *look_of(const iso_chart_bench *b, const iso_chart_case *c)
 {
-    iso_adapt_options opt = iso_adapt_defaults();
+    const size_t tf = c->second != ISO_SECOND_VALUE_NONE ? 2 + (size_t)(c->second - ISO_SECOND_VALUE_DEVIATION)
+                                                         : c->adapted;
+    return &b->scenes[c->scene].looks[c->level * ISO_CHART_TFS + tf];
+}
+
+/* Makes the view of a level as `isoshade render` does, so that the command of a setting gives its error again. */
+static iso_status need_look(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
+{
     iso_chart_scene *s = &b->scenes[c->scene];
-    opt.threads = b->threads;
-    if (c->second != ISO_SECOND_VALUE_NONE) {
-        iso_tf_2d *tf_2d = &s->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION];
-        return tf_2d->bytes ? ISO_OK : iso_adapt_tf_2d(&b->first, c->level, c->second, &s->view.tf, &opt, tf_2d, err);
-    }
-    if (!c->adapted || s->adapted[c->level].entries)
+    iso_view *look = look_of(b, c);
+    iso_cli_adapted adapted = ISO_CLI_ADAPTED_DEFAULTS;
+    char second[16];
+    snprintf(second, sizeof second, "%s", iso_chart_name_tf(c));
+    adapted.wanted = c->adapted;
+    adapted.tf_2d = c->second != ISO_SECOND_VALUE_NONE ? second : NULL;
+    if (c->plan_error > 0 || look->tf.entries)
         return ISO_OK;
-    return iso_adapt_level(&b->first, c->level, &s->view.tf, &opt, &s->adapted[c->level], NULL, err);
+    iso_status status = iso_scene_resolve(&s->scene, &b->first.levels[0].geometry, iso_pyramid_lo(&b->first),
+                                          iso_pyramid_hi(&b->first), look, err);
+    TRY(status, iso_cli_adapt_view(&adapted, "", &b->first, c->level, look, b->threads, err));
+    if (status != ISO_OK)
+        iso_view_destroy(look);
+    return status;
 }
 
 /* Allows two swaps only: a chart has no time for the last percent. */
@@ -226,8 +238,7 @@ static double estimate_needs(const iso_chart_bench *b, const iso_chart_case *c)
     double a_million = 0;
     if (!pyramid_of(b, c))
         a_million += 0.4;
-    if (c->second != ISO_SECOND_VALUE_NONE ? !s->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION].bytes
-                                           : c->adapted && !s->adapted[c->level].entries)
+    if (c->adapted && !look_of(b, c)->tf.entries)
         a_million += 0.2;
     if (c->source == ISO_FROM_PALETTE && !b->palettes[c->palette].xyz)
         a_million += 1;
@@ -316,8 +327,6 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
     iso_render_options opt = iso_render_defaults(c->renderer);
     iso_level levels[ISO_CHART_MAX_LEVELS];
     iso_pyramid p = *base;
-    iso_chart_scene *s = &b->scenes[c->scene];
-    iso_view view = s->view; /* borrowed, except an adapted transfer function */
     void *bytes = NULL;
     bool is_kept = true;
     iso_status status = palette || recoded ? need_bytes(b, base, c, &bytes, &is_kept, err) : ISO_OK;
@@ -331,12 +340,6 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
         levels[c->level].palette = &b->palettes[c->palette];
         levels[c->level].palette_index = bytes;
     }
-    if (c->second != ISO_SECOND_VALUE_NONE)
-        view.tf_2d = &s->tf_2d[c->level][c->second - ISO_SECOND_VALUE_DEVIATION];
-    else if (c->adapted) {
-        view.tf = s->adapted[c->level];
-        view.extinction_scale = (uint8_t *)(uintptr_t)iso_level_own_scale(base, c->level, &s->view.tf); /* borrowed */
-    }
     opt.source = c->source;
     opt.quadrature = c->preintegrated ? ISO_QUADRATURE_PREINTEGRATED : ISO_QUADRATURE_MIDPOINT;
     opt.step_voxels = c->step_voxels;
@@ -345,9 +348,9 @@ static iso_status render_level(iso_chart_bench *b, iso_chart_case *c, iso_image 
     opt.repeat_seconds = FRAMES_SECONDS;
     opt.processor_time = b->processor_time;
     opt.stats = &c->took;
+    const iso_render_request request = {&b->renderers, &p, c->level, look_of(b, c), &opt, NULL};
     if (status == ISO_OK)
-        status = iso_render_with(&(iso_render_request){&b->renderers, &p, c->level, &view, &opt, NULL}, image, NULL,
-                                 err);
+        status = iso_render_with(&request, image, NULL, err);
     if (!is_kept)
         free(bytes);
     return status;
@@ -381,7 +384,7 @@ static iso_status render(iso_chart_bench *b, iso_chart_case *c, iso_image *image
 {
     *image = (iso_image){0};
     iso_status status = need_pyramid(b, c, err);
-    TRY(status, need_tf(b, c, err));
+    TRY(status, need_look(b, c, err));
     TRY(status, need_palette(b, c, err));
     TRY(status, need_plan(b, c, err));
     const double start = iso_clock_seconds();

@@ -8,9 +8,10 @@
 #include "scene/subject.h"
 #include "volume/input.h"
 #include "plan/plan.h"
-#include "tf/tf_2d.h"
 
 enum { ISO_CHART_MAX_LEVELS = 32, ISO_CHART_MAX_OTHERS = 12 };
+/* Transfer functions of a level: original, adapted, 2D by deviation, 2D by gradient magnitude. */
+enum { ISO_CHART_TFS = 4 };
 
 typedef char iso_chart_version[320]; /* renderer name and version, e.g. "Blender 3.4.1" */
 
@@ -35,8 +36,7 @@ typedef struct iso_chart_scene {
     char name[128];   /* "brain" of brain.scene.json; unique in the chart */
     iso_scene scene;
     iso_view view;
-    iso_tf_table adapted[ISO_CHART_MAX_LEVELS];
-    iso_tf_2d tf_2d[ISO_CHART_MAX_LEVELS][2]; /* by deviation, by gradient magnitude */
+    iso_view *looks; /* of ISO_CHART_MAX_LEVELS levels under ISO_CHART_TFS transfer functions; empty: not made yet */
     iso_plan plan;
     iso_image reference;
     double reference_tolerance, reference_seconds;

@@ -223,16 +223,17 @@ void iso_chart_describe_series(const iso_chart_case *c, char *text, size_t size)
 
 /* ---- the grid --------------------------------------------------------------- */
 
-/* Returns the bytes in files: scalars as stored, directions, and the second value of a 2D transfer function. A
- * direction takes 3 bytes, 3 floats, an index of whole bytes, or nothing. */
+/* Returns the bytes in files: scalars as stored, directions, the extinction scale, and the second value of a 2D transfer
+ * function. A direction takes 3 bytes, 3 floats, an index of whole bytes, or nothing. */
 static double stored_bytes(const iso_level *level, const iso_chart_case *c)
 {
     double direction = c->source == ISO_FROM_ON_THE_FLY ? 0 : c->source == ISO_FROM_FLOAT ? 12 : 3;
     if (c->source == ISO_FROM_PALETTE)
         direction = iso_chart_palettes[c->palette] <= 255 ? 1 : 2;
-    double second = c->second == ISO_SECOND_VALUE_NONE ? 0 : 1;
+    const double second = c->second == ISO_SECOND_VALUE_NONE ? 0 : 1,
+                 scale = level->scale && !level->geometry.has_no_data ? 1 : 0; /* a share of data is in no file */
     return (double)iso_geometry_voxel_count(&level->geometry) *
-           ((double)iso_type_bytes(level->stored_type) + direction + second);
+           ((double)iso_type_bytes(level->stored_type) + direction + second + scale);
 }
 
 /* Estimates the cost of a ray by its fetches. Per sample: 1 scalar, 1 code, 8 to flip codes, 6 more scalars on the fly.
