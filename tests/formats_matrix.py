@@ -359,11 +359,21 @@ def matrix_zarr():
                                filters=[numcodecs.Delta(dtype)], compressor=numcodecs.LZ4())
         made[...] = values_of(dtype[1:])
         check("m.zarr", values_of(dtype[1:]), None, SAY, f"delta {dtype}")
+    for dtype in ("<f4", "<f8", ">f4") if not new else ():
+        rounders = [numcodecs.Quantize(2, dtype)] + ([numcodecs.BitRound(7)] if dtype[0] == "<" else [])
+        for rounder in rounders:
+            shutil.rmtree("m.zarr", ignore_errors=True)
+            made = zarr.open_array("m.zarr", mode="w", shape=values.shape, chunks=(2, 3, 2), dtype=dtype, fill_value=0,
+                                   filters=[rounder], compressor=numcodecs.LZ4())
+            made[...] = values_of(dtype[1:])
+            check("m.zarr", np.asarray(made[...]), None, SAY, f"{rounder.codec_id} {dtype}")
     shutil.rmtree("m.zarr", ignore_errors=True)
     array(values, None)
     with open("m.zarr/.zarray", encoding="utf-8") as file:
         about = json.load(file)
-    for filters, why in (([{"id": "quantize"}], 'filtered by "quantize", must be delta or nothing'),
+    for filters, why in (([{"id": "packbits"}], 'filtered by "packbits", must be bitround, delta, quantize or nothing'),
+                         ([{"id": "quantize", "digits": 2, "dtype": "<f8", "astype": "<f4"}],
+                          'filtered by quantize of the types "<f8" and "<f4", must be that of the array'),
                          ([{"id": "delta", "dtype": "<i4"}], 'filtered by delta of the types "<i4" and ""')):
         with open("m.zarr/.zarray", "w", encoding="utf-8") as file:
             json.dump({**about, "filters": filters}, file)

@@ -373,8 +373,14 @@ private:
         for (size_t i = 0; i < json_array_size(filters) && refused.empty(); ++i) {
             const json_t *filter = json_array_get(filters, i);
             const std::string id = word(filter, "id"), type = word(filter, "dtype"), stored = word(filter, "astype");
-            if (id != "delta")
-                refused = "filtered by \"" + id + "\", must be delta or nothing";
+            const std::string own = word(meta, "dtype");
+            if (id == "bitround" || (id == "quantize" && type == own && (stored.empty() || stored == own)))
+                continue; /* rounded when written; the bytes are the values */
+            if (id == "quantize")
+                refused = "filtered by quantize of the types \"" + type + "\" and \"" + stored +
+                          "\", must be that of the array";
+            else if (id != "delta")
+                refused = "filtered by \"" + id + "\", must be bitround, delta, quantize or nothing";
             else if (type.size() != 3 || type.substr(1) != l.kind || (!stored.empty() && stored != type) ||
                      l.kind == "f2")
                 refused = "filtered by delta of the types \"" + type + "\" and \"" + stored +
