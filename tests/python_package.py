@@ -260,7 +260,7 @@ class Images(unittest.TestCase):
 
 
 class LongCalls(unittest.TestCase):
-    """A reference picture of this size takes minutes: a call that is not ended is seen."""
+    """A picture of this size takes minutes: a call that is not ended is seen."""
 
     SIZE = 4096
 
@@ -268,6 +268,18 @@ class LongCalls(unittest.TestCase):
         self.pyramid = iso.Volume(ball()).build(1)
 
     def test_ctrl_c_ends_a_call(self):
+        self.interrupt("reference")
+
+    def test_ctrl_c_ends_a_draw_by_opengl(self):
+        try:
+            self.pyramid.render(renderer="gl", size=8)
+        except iso.Error as failure:
+            if failure.status != iso.Status.MISSING:
+                raise
+            self.skipTest(str(failure))
+        self.interrupt("gl")
+
+    def interrupt(self, renderer):
         signal.signal(signal.SIGINT, signal.default_int_handler)
         reports = []
 
@@ -276,7 +288,7 @@ class LongCalls(unittest.TestCase):
                 os.kill(os.getpid(), signal.SIGINT)
             reports.append(fraction)
         with self.assertRaises(KeyboardInterrupt):
-            self.pyramid.render(renderer="reference", size=self.SIZE, progress=interrupt)
+            self.pyramid.render(renderer=renderer, size=self.SIZE, step=0.01, progress=interrupt)
         self.assertLess(max(reports), 0.5)
 
     def test_an_exception_of_the_progress_function_ends_a_call(self):

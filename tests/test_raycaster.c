@@ -8,7 +8,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "render/gl/raycaster.h"
+#include "base/progress.h"
+#include "render/gl/gl_context.h"
 #include "render/reference.h"
 #include "volume/synthetic.h"
 
@@ -447,6 +448,98 @@ TEST(shader_folder_of_the_sources_gives_the_same_image)
     assert_ok(iso_gl_render(other, &p.levels[0], ISO_CODE_REGION48, &view, &opt, &b, &err));
     assert_memory_equal(a.rgba, b.rgba, 4 * a.width * a.height * sizeof *a.rgba);
     iso_gl_destroy(other);
+}
+
+/* ---- calls that can be canceled ---- */
+
+/* Goes on for a number of reports, then cancels. */
+typedef struct patience {
+    size_t reports, most;
+} patience;
+
+static bool is_patient(void *user, const char *stage, double fraction)
+{
+    patience *p = user;
+    assert_string_equal(stage, "draw");
+    assert_true(fraction > 0 && fraction <= 1);
+    return ++p->reports < p->most;
+}
+
+/* Renders within a call, in bands of so many tiles. Counts the pixels that GL draws. */
+static iso_status render_in_bands(const iso_level *level, const iso_view *view, const iso_gl_options *opt, double tiles,
+                                  patience *p, GLuint *pixels, iso_image *image)
+{
+    const double before = gl->band_samples, step_mm = view->step_voxels * iso_geometry_min_spacing_mm(&level->geometry),
+                 ray_samples = 2 * iso_geometry_box_radius_mm(&level->geometry) / step_mm;
+    iso_error failure = {""};
+    iso_call call;
+    GLuint query;
+    gl->band_samples = (tiles + 0.5) * ISO_SCREEN_TILE * ISO_SCREEN_TILE * ray_samples;
+    assert_ok(iso_gl_bind(gl, &err));
+    glGenQueries(1, &query);
+    glBeginQuery(GL_SAMPLES_PASSED, query);
+    iso_call_begin(&call, is_patient, p);
+    call.next_poll = INFINITY; /* nothing here depends on time */
+    const iso_status status = iso_gl_render(gl, level, ISO_CODE_SNORM, view, opt, image, &failure);
+    glEndQuery(GL_SAMPLES_PASSED);
+    glGetQueryObjectuiv(query, GL_QUERY_RESULT, pixels);
+    glDeleteQueries(1, &query);
+    gl->band_samples = before;
+    return iso_call_end(&call, status, &failure);
+}
+
+/* Neither side is a multiple of a tile's, and no band divides the 35 tiles but a single tile and all of them. */
+TEST(a_picture_in_bands_is_the_one_drawn_at_once)
+{
+    static const struct {
+        double tiles;
+        size_t reports;
+    } bands[] = {{0, 35}, {1, 35}, {4, 9}, {17, 3}, {35, 1}, {1e9, 1}};
+    OWNED(iso_pyramid) p = make_pyramid(ISO_F32, ISO_CODE_SNORM);
+    OWNED(iso_view) view = make_view(PERSPECTIVE, &p.levels[0]);
+    view.width = 51, view.height = 37;
+    for (size_t e = 0; e < view.tf.count; ++e)
+        view.tf.entries[4 * e + 3] = e < 50 ? 0 : 0.3f; /* tiles without a visible brick are left out */
+    GLuint drawn[2] = {0, 0};
+    for (int skip = ISO_GL_SKIP_NEVER; skip <= ISO_GL_SKIP_ALWAYS; ++skip) {
+        iso_gl_options opt = iso_gl_defaults();
+        opt.skip = (iso_gl_skip)skip;
+        OWNED(iso_image) whole = {0};
+        assert_ok(iso_gl_render(gl, &p.levels[0], ISO_CODE_SNORM, &view, &opt, &whole, &err));
+        for (size_t i = 0; i < sizeof bands / sizeof *bands; ++i) {
+            patience endless = {0, SIZE_MAX};
+            OWNED(iso_image) image = {0};
+            assert_ok(render_in_bands(&p.levels[0], &view, &opt, bands[i].tiles, &endless, &drawn[skip - 1], &image));
+            assert_memory_equal(image.rgba, whole.rgba, 4 * 51 * 37 * sizeof *image.rgba);
+            assert_int_equal(endless.reports, bands[i].reports);
+        }
+    }
+    assert_int_equal(drawn[0], 51 * 37);
+    assert_in_range(drawn[1], 1, 51 * 37 - 1);
+}
+
+TEST(a_canceled_call_draws_no_further_band)
+{
+    OWNED(iso_pyramid) p = make_pyramid(ISO_F32, ISO_CODE_SNORM);
+    OWNED(iso_view) view = make_view(PERSPECTIVE, &p.levels[0]);
+    iso_gl_options opt = iso_gl_defaults();
+    opt.skip = ISO_GL_SKIP_NEVER;
+    for (GLuint reports = 1; reports < 3; ++reports) {
+        patience little = {0, reports};
+        GLuint pixels;
+        iso_image image;
+        assert_int_equal(render_in_bands(&p.levels[0], &view, &opt, 4, &little, &pixels, &image), ISO_E_CANCELED);
+        assert_null(image.rgba);
+        assert_int_equal(little.reports, reports);
+        assert_int_equal(pixels, reports * 4 * ISO_SCREEN_TILE * ISO_SCREEN_TILE);
+    }
+    patience none = {0, 1};
+    GLuint pixels;
+    OWNED(iso_image) image = {0};
+    opt.repeats = 2; /* which are for their time */
+    assert_ok(render_in_bands(&p.levels[0], &view, &opt, 4, &none, &pixels, &image));
+    assert_int_equal(none.reports, 0);
+    assert_int_equal(pixels, 2 * view.width * view.height);
 }
 
 /* In a process of its own, as libEGL looks for its vendors once; a fresh program, not a mere fork, since libraries'

@@ -126,10 +126,12 @@ static void render_tiles(const picture *p, const iso_progress *progress)
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(p->opt->threads)) reduction(max : worst)
     for (size_t tile = 0; tile < count; ++tile) {
         const size_t x = tile % across * TILE, y = tile / across * TILE;
-        for (size_t row = y; row < y + TILE && row < p->view->height && !iso_progress_poll(progress);
-             ++row)
-            for (size_t column = x; column < x + TILE && column < p->view->width; ++column)
+        for (size_t row = y; row < y + TILE && row < p->view->height; ++row)
+            for (size_t column = x; column < x + TILE && column < p->view->width && !iso_progress_poll(progress);
+                 ++column)
                 worst = fmax(worst, render_pixel(p, column, row));
+        if (iso_progress_poll(progress))
+            continue;
 #pragma omp critical(iso_reference_progress)
         iso_progress_report(progress, "reference", (double)++done / (double)count);
     }

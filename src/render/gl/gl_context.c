@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/parallel.h"
+
 /* ---- context --------------------------------------------------------------- */
 
 iso_status iso_gl_find_libraries(iso_error *err)
@@ -62,6 +64,7 @@ static iso_status describe(iso_gl *gl, iso_error *err)
         snprintf(texts[i].out, sizeof gl->info.vendor, "%s", text ? text : "unknown");
     }
     gl->is_llvmpipe = strstr(gl->info.renderer, "llvmpipe") != NULL;
+    gl->band_samples = gl->is_llvmpipe ? 4e6 * iso_threads(0) : 1e8; /* a slow GPU takes 1e9 per second */
     glGetQueryiv(GL_TIME_ELAPSED, GL_QUERY_COUNTER_BITS, &gl->info.timer_bits);
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_texture_size);
     glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &gl->max_texture_3d_size);

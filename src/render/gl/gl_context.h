@@ -23,7 +23,8 @@ struct iso_gl {
     char *shader_dir;       /* or NULL: the embedded shaders */
     const char *transition; /* text that finds the places of bricks whose samples lie inside them; or NULL */
     GLint max_texture_size, max_texture_3d_size;
-    bool is_llvmpipe; /* Mesa's software OpenGL: a fetch takes as long as its filter computes */
+    bool is_llvmpipe;    /* Mesa's software OpenGL: a fetch takes as long as its filter computes */
+    double band_samples; /* of a band, after which a call can be canceled: about a tenth of a second */
     GLuint vertex_array;
     bool times_processor;     /* iso_gl_time_processor() */
     double device_seconds;    /* iso_gl_device_seconds() */
@@ -57,15 +58,17 @@ iso_status iso_gl_create_occupancy(const iso_gl *gl, const size_t count[3], cons
 iso_status iso_gl_create_texture_rgba32f(const iso_gl *gl, size_t width, size_t height, const float *rgba,
                                          GLuint *texture, iso_error *err);
 
-/* Which tiles of a picture are drawn: those that can show anything, while the others are the background. */
+/* The parts of a picture that are drawn: tiles that can show anything, while the others are the background. A call that
+ * can be canceled draws bands of tiles, and reports after each. */
 typedef struct iso_gl_cover {
     const iso_screen_reach *screen; /* or NULL: all are drawn */
     const double *background;       /* 3 */
+    double ray_samples;             /* the most of a ray; 0: the picture is drawn at once */
 } iso_gl_cover;
 
 /* Draws the program over a width x height float target and reads it back, first
  * row first; *seconds (may be NULL) is the drawing alone. Textures and uniforms
- * are the caller's. */
+ * are the caller's. ISO_E_CANCELED: rgba is unchanged. */
 iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, iso_gl_cover cover, float *rgba,
                        double *seconds, iso_error *err);
 
@@ -77,7 +80,8 @@ typedef struct iso_gl_repeats {
     iso_gl_cover cover;
 } iso_gl_repeats;
 
-/* Adds the draws to the stats; *least (may be NULL) is the fastest. */
+/* Adds the draws to the stats; *least (may be NULL) is the fastest. Repeated draws are for their time: each is drawn at
+ * once. */
 iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, const iso_gl_repeats *repeats, iso_image *image,
                                   double *least, iso_gl_stats *stats, iso_error *err);
 

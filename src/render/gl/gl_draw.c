@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/parallel.h"
+#include "base/progress.h"
 #include "render/gl/gl_context.h"
 
 /* Fills a new texture with NaN in builds with sanitizers, so that reads of unwritten texels are visible. GL leaves the
@@ -118,28 +119,56 @@ static double end_timer(GLuint query)
     return 1e-9 * (double)nanoseconds;
 }
 
-/* Draws each row of tiles from its first to its last visible tile. */
-static void draw_covered(const iso_gl_cover *cover)
+/* Draws the tiles from first until end. Of each row: from the first to the last one that shows. */
+static void draw_tiles(const iso_screen_reach *screen, size_t columns, size_t first, size_t end)
 {
-    const iso_screen_reach *r = cover->screen;
-    const GLfloat nothing[4] = {(GLfloat)cover->background[0], (GLfloat)cover->background[1],
-                                (GLfloat)cover->background[2], 0};
-    glClearBufferfv(GL_COLOR, 0, nothing);
     glEnable(GL_SCISSOR_TEST);
-    for (size_t row = 0; row < r->rows; ++row) {
-        const float *mm = r->mm + 2 * row * r->columns;
-        size_t first = 0, end = r->columns;
-        while (first < end && mm[2 * first] > mm[2 * first + 1])
-            ++first;
-        while (first < end && mm[2 * end - 2] > mm[2 * end - 1])
-            --end;
-        if (first == end)
+    for (size_t tile = first, next; tile < end; tile = next) {
+        const size_t row = tile / columns;
+        next = row * columns + columns < end ? row * columns + columns : end;
+        size_t from = tile, to = next;
+        while (screen && from < to && screen->mm[2 * from] > screen->mm[2 * from + 1])
+            ++from;
+        while (screen && from < to && screen->mm[2 * to - 2] > screen->mm[2 * to - 1])
+            --to;
+        if (from == to)
             continue;
-        glScissor((GLint)(first * ISO_SCREEN_TILE), (GLint)(row * ISO_SCREEN_TILE),
-                  (GLsizei)((end - first) * ISO_SCREEN_TILE), ISO_SCREEN_TILE);
+        glScissor((GLint)(from % columns * ISO_SCREEN_TILE), (GLint)(row * ISO_SCREEN_TILE),
+                  (GLsizei)((to - from) * ISO_SCREEN_TILE), ISO_SCREEN_TILE);
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
     glDisable(GL_SCISSOR_TEST);
+}
+
+/* Draws a picture in bands, if the call can be canceled: GL does not end a draw early. */
+static iso_status draw_picture(const iso_gl *gl, size_t width, size_t height, const iso_gl_cover *cover, iso_error *err)
+{
+    const iso_progress *progress = cover->ray_samples > 0 ? iso_progress_current() : NULL;
+    const bool in_bands = progress && progress->report;
+    const size_t columns = (width + ISO_SCREEN_TILE - 1) / ISO_SCREEN_TILE,
+                 tiles = columns * ((height + ISO_SCREEN_TILE - 1) / ISO_SCREEN_TILE);
+    const double tile_samples = cover->ray_samples * ISO_SCREEN_TILE * ISO_SCREEN_TILE;
+    const size_t band = in_bands ? (size_t)fmin(fmax(gl->band_samples / tile_samples, 1), (double)tiles) : tiles;
+    iso_status status = ISO_OK;
+    if (!cover->screen && !in_bands) {
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        return ISO_OK;
+    }
+    if (cover->screen) {
+        const GLfloat nothing[4] = {(GLfloat)cover->background[0], (GLfloat)cover->background[1],
+                                    (GLfloat)cover->background[2], 0};
+        glClearBufferfv(GL_COLOR, 0, nothing);
+    }
+    for (size_t first = 0, end; status == ISO_OK && first < tiles; first = end) {
+        end = first + band < tiles ? first + band : tiles;
+        draw_tiles(cover->screen, columns, first, end);
+        if (in_bands) {
+            glFinish();
+            iso_progress_report(progress, "draw", (double)end / (double)tiles);
+            status = iso_progress_check(progress, err);
+        }
+    }
+    return status;
 }
 
 iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, iso_gl_cover cover, float *rgba,
@@ -167,10 +196,7 @@ iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, 
         double (*clock)(void) = gl->times_processor ? iso_cpu_seconds : iso_clock_seconds;
         const GLuint timer = begin_timer(gl);
         const double processor = iso_cpu_seconds(), start = clock();
-        if (cover.screen)
-            draw_covered(&cover);
-        else
-            glDrawArrays(GL_TRIANGLES, 0, 3);
+        status = draw_picture(gl, width, height, &cover, err);
         if (timer != 0)
             glEndQuery(GL_TIME_ELAPSED);
         glFinish();
@@ -178,8 +204,10 @@ iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, 
             *seconds = clock() - start;
         gl->processor_seconds = iso_cpu_seconds() - processor;
         gl->device_seconds = end_timer(timer);
-        glReadPixels(0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_FLOAT, rgba);
-        status = iso_gl_check("drawing", err);
+        if (status == ISO_OK) {
+            glReadPixels(0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_FLOAT, rgba);
+            status = iso_gl_check("drawing", err);
+        }
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glDeleteFramebuffers(1, &frame);
@@ -192,12 +220,15 @@ iso_status iso_gl_draw_repeatedly(iso_gl *gl, GLuint program, const iso_gl_repea
 {
     const size_t most = repeats->count ? repeats->count : 1;
     const bool timed = repeats->seconds > 0;
+    iso_gl_cover cover = repeats->cover;
     float pixel[4];
     double sum = 0, best = INFINITY, least_device = NAN;
+    if (timed || most > 1)
+        cover.ray_samples = 0;
     iso_status status = timed ? iso_gl_draw(gl, program, 1, 1, (iso_gl_cover){0}, pixel, NULL, err) : ISO_OK;
     for (size_t i = 0; status == ISO_OK && i < most && (i == 0 || !timed || sum < repeats->seconds); ++i) {
         double once = 0;
-        status = iso_gl_draw(gl, program, image->width, image->height, repeats->cover, image->rgba, &once, err);
+        status = iso_gl_draw(gl, program, image->width, image->height, cover, image->rgba, &once, err);
         best = fmin(best, once);
         least_device = fmin(least_device, gl->device_seconds); /* of NaN and a number the number */
         sum += once;

@@ -449,6 +449,7 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     const double step_voxels = opt->step_voxels = opt->surface           ? 1
                                                   : opt->step_voxels > 0 ? opt->step_voxels
                                                                          : view->step_voxels;
+    const double step_mm = step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &level->geometry));
     *image = (iso_image){0};
     NEED(check_options(opt, view, err));
     GLuint program;
@@ -467,8 +468,7 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
     TRY(status, iso_image_create(image, view->width, view->height, err));
     if (status == ISO_OK) {
         glUseProgram(program);
-        iso_gl_set_camera(program, &level->geometry, view,
-                          step_voxels * iso_geometry_min_spacing_mm(iso_view_step_geometry(view, &level->geometry)));
+        iso_gl_set_camera(program, &level->geometry, view, step_mm);
         set_field(program, level, &textures, opt, view->tf_2d ? &view->tf_2d->rows[0] : &view->tf);
         iso_gl_set_light(program, view);
         if (view->roi)
@@ -481,7 +481,8 @@ iso_status iso_gl_render(iso_gl *gl, const iso_level *level, iso_code code, cons
         stats.upload_seconds = iso_clock_seconds() - start;
         const iso_gl_repeats repeats = {opt->repeats,
                                         opt->repeat_seconds,
-                                        {textures.reach ? &textures.screen : NULL, view->background}};
+                                        {textures.reach ? &textures.screen : NULL, view->background,
+                                         2 * iso_geometry_box_radius_mm(&level->geometry) / step_mm}};
         status = iso_gl_draw_repeatedly(gl, program, &repeats, image, &least, &stats, err);
         least += gl->times_processor ? textures.screen_processor_seconds : textures.screen_seconds;
     }
