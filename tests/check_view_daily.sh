@@ -80,6 +80,7 @@ all_true overlaid 8
 # A second volume on the command line, at its place.
 "$ISOSHADE" view patient.nii --overlay moved.nii -q -o pair.html || failed=1
 expect a_page_has_two_volumes 0 daily placed pair.html .
+all_true placed 1
 place() { "$ISOSHADE" render "$1.nii" --scene placed.scene.json --shading-from on-the-fly --with gl -q -o "$1.exr" >/dev/null; }
 place moved
 check the_second_is_at_its_place "$ISOSHADE" compare moved.exr placed.page.exr --max-rmse 5e-6 --max-abs 1e-4

@@ -412,6 +412,8 @@ def placed(path, folder):
     """The second volume of a page alone: its picture, and the scene for the program."""
     with Chromium(size=(900, 700)) as page:
         load(page, path)
+        command = page.evaluate("document.getElementById('command').textContent")
+        say("its_command_says_that_it_lacks_the_second", command.endswith(" -o picture.png # without the second volume"))
         lo, hi = page.evaluate("(l => [l.min, l.max])(isoshade.data.overlay.level)")
         middle = lo + 0.4 * (hi - lo)
         points = [{"value": v, "r": 1, "g": 0.5, "b": 0.2, "opacity": o} for v, o in ((lo, 0), (middle, 0), (hi, 0.4))]

@@ -42,8 +42,9 @@ const sceneJson = (data, state, camera, width, height) => ({
 const quoted = s => /^[\w.,/:=+-]+$/.test(s) ? s : `'${s.replace(/'/g, "'\\''")}'`;
 const commandOf = (data, state) => {
     const {level, code, adapted} = state, words = ['isoshade render', data.input, '--scene', 'scene.json', '--with gl'];
+    const end = ' -o picture.png' + (data.overlay && state.overlay ? ' # without the second volume' : '');
     const plan = data.levels.find(l => l.isPlan && l.level === level);
-    if (plan) return [...words, `--plan-error ${plan.predicted_rmse ?? 1 / 255} --brick ${plan.brick_voxels} --brick-levels ${plan.level_count}`].join(' ') + ' -o picture.png';
+    if (plan) return [...words, `--plan-error ${plan.predicted_rmse ?? 1 / 255} --brick ${plan.brick_voxels} --brick-levels ${plan.level_count}`].join(' ') + end;
     if (level) words.push(`--level ${level}`);
     words.push(code === null ? '--shading-from on-the-fly' : `--code ${code}`);
     if (adapted && level) words.push('--adapt --always');
@@ -51,6 +52,6 @@ const commandOf = (data, state) => {
         const box = state.roi.box.flatMap(corner => corner.map((part, a) => Number((part * data.geometry0.box_index[a]).toPrecision(6))));
         words.push(`--roi ${box.join()}`, ...(state.roi.level ? [`--roi-level ${state.roi.level}`] : []), `--roi-band ${state.roi.band}`);
     }
-    return words.join(' ') + ' -o picture.png';
+    return words.join(' ') + end;
 };
 
