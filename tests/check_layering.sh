@@ -34,13 +34,13 @@ report:     base image compare
 view:       $shared
 library:    $shared render vdb povray blender renderers compare plan bake media targets view
 validate:   $shared render renderers compare bake targets report
-chart:      $shared render renderers compare plan report
 options:    $shared
+chart:      $shared render renderers compare plan report options
 atlas:      $shared render compare report options
-figure:     $shared render renderers compare plan report chart options atlas
+figure:     $shared render renderers compare plan report options chart atlas
 bench:      $shared render vdb povray blender renderers compare plan report validate options
-cli:        $shared render vdb povray blender renderers compare plan bake media targets report view validate chart options atlas figure bench
-lab:        $shared render vdb povray blender renderers compare plan bake media targets report view validate chart options atlas figure bench cli
+cli:        $shared render vdb povray blender renderers compare plan bake media targets report view validate options chart atlas figure bench
+lab:        $shared render vdb povray blender renderers compare plan bake media targets report view validate options chart atlas figure bench cli
 "
 rooms=$(sed -n 's/^\([a-z]*\):.*/\1/p' <<<"$table")
 declare -A may # of each room: what it may include, itself too, each between blanks
