@@ -24,11 +24,14 @@ refuse a_scene_is_no_baseline 4 'shells.scene.json: its schema is "isoshade.scen
 refuse nor_a_report 4 'shells.scene.json: its schema is "isoshade.scene/1", must be isoshade.validate/1' "$ISOSHADE" report diff "$dir/base.json" "$scene" --worse
 cp "$dir/base.json" "$dir/kept.json"
 expect a_worse_figure_is_exit_1 1 "$ISOSHADE" report diff "$dir/base.json" "$dir/worse" --worse
+check the_last_line_says_it grep -q '^Figures, verdicts or rows that are worse' "$dir/out"
 check the_figure_is_named grep -q 'worse: rmse: 0.001 -> 0.002' "$dir/out"
 check the_baseline_is_untouched cmp "$dir/base.json" "$dir/kept.json"
 expect a_better_one_is_good 0 "$ISOSHADE" report diff "$dir/worse" "$dir/one" --worse
+check and_says_so grep -q '^Nothing is worse than accepted' "$dir/out"
 expect an_update_says_what_it_changes 0 "$ISOSHADE" report diff "$dir/kept.json" "$dir/worse" --accept
 check the_change_is_named grep -q 'worse: rmse: 0.001 -> 0.002' "$dir/out"
+refuse only_a_file_is_accepted 2 "must end in .json" "$ISOSHADE" report diff "$dir/kept" "$dir/worse" --accept
 expect and_then_it_is_accepted 0 "$ISOSHADE" report diff "$dir/kept.json" "$dir/worse" --worse
 check one_figure_is_one_line_of_the_file test "$(diff "$dir/base.json" "$dir/kept.json" | grep -c '^>')" = 1
 expect a_wide_factor_allows_it 0 "$ISOSHADE" report diff "$dir/base.json" "$dir/worse" --worse --factor 20

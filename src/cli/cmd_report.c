@@ -95,22 +95,25 @@ static void print_text(const json_t *d)
 
 /* ---- comparing ---- */
 
-/* Sets the verdict of --worse: only worse results in B count. */
+/* Sets verdict and sentence. --worse: only worse results in B count. */
 static iso_status conclude(const report_arguments *a, json_t *d, iso_error *err)
 {
     const size_t worse = iso_difference_count_worse(d);
     iso_difference_conclude(d);
     json_object_set_new(d, "worse_count", json_integer((json_int_t)worse));
-    if (a->worse)
+    if (a->worse) {
         json_object_set_new(d, "verdict",
                             json_string(iso_verdict_word(worse ? ISO_VERDICT_DIFFER : ISO_VERDICT_AGREE)));
+        json_object_set_new(d, "sentence",
+                            worse
+                                ? json_sprintf("Figures, verdicts or rows that are worse than accepted, or gone: %zu; "
+                                               "accept them with --accept",
+                                               worse)
+                                : json_string("Nothing is worse than accepted."));
+    }
     if (a->accept || iso_row_verdict(d) == ISO_VERDICT_AGREE)
         return ISO_OK;
-    if (!a->worse)
-        return iso_fail(err, ISO_E_DIFFERS, "%s", iso_row_text(d, "sentence"));
-    return iso_fail(err, ISO_E_DIFFERS,
-                    "figures, verdicts or rows that are worse than accepted, or gone: %zu; accept them with --accept",
-                    worse);
+    return iso_fail(err, ISO_E_DIFFERS, "%s", iso_row_text(d, "sentence"));
 }
 
 static void print(const iso_cli *cli, const report_arguments *a, json_t *d)

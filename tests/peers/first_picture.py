@@ -53,7 +53,13 @@ def draw_vtk(kind, volume, tf, size, png):
     window.SetSize(size, size)
     window.AddRenderer(renderer)
     renderer.ResetCamera()
-    renderer.GetActiveCamera().Elevation(-90)  # from the front, as the first picture is
+    camera = renderer.GetActiveCamera()  # from the front and as large as isoshade's
+    camera.SetFocalPoint(thing.GetCenter())
+    x, y, z = thing.GetCenter()
+    camera.SetPosition(x, y + camera.GetDistance(), z)
+    camera.SetViewUp(0, 0, 1)
+    camera.Zoom(1.37)
+    renderer.ResetCameraClippingRange()
     window.Render()
     grab, writer = vtkWindowToImageFilter(), vtkPNGWriter()
     grab.SetInput(window)
