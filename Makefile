@@ -24,7 +24,7 @@ demo_packages := $(packages) libepoxy-dev libegl-dev libegl1 libgl1-mesa-dri lib
 	blender povray gnuplot-nox
 # For all formats and the tests: make check.
 check_packages := $(demo_packages) libnanovdb-tools libcmocka-dev libopenmpi-dev openmpi-bin libinsighttoolkit5-dev \
-	libhdf5-dev libnetcdf-dev libblosc-dev libzstd-dev groff-base poppler-utils python3-openvdb python3-numpy chromium \
+	libhdf5-dev libnetcdf-dev libblosc-dev groff-base poppler-utils python3-openvdb python3-numpy chromium \
 	python3-yaml teem-apps libtiff-tools python3-tifffile python3-mrcfile python3-pydicom dcmtk libopenjp2-tools \
 	python3-nibabel python3-astropy python3-vtk9 python3-h5py python3-netcdf4 python3-zarr minc-tools libopenvdb-tools \
 	clang libomp-dev cppcheck valgrind strace python3-venv python3-openimageio openimageio-tools python3-png xvfb xauth
@@ -122,7 +122,7 @@ itk := $(notdir $(lastword $(sort $(wildcard /usr/include/ITK-*))))
 itk_program := $(if $(itk),$(build)/isoshade-itk)
 itk_parts := Common IOImageBase IOPNG IOJPEG IOTIFF
 # Reads HDF5, netCDF, MINC and OME-Zarr.
-array_pkgs := hdf5-serial netcdf blosc liblz4 libzstd jansson zlib
+array_pkgs := hdf5-serial netcdf libarchive blosc liblz4 jansson zlib
 # HDF5's high-level library has its own pkg-config file since HDF5 2; earlier it is next to the main library.
 hdf5_hl := $(or $(shell $(PKG_CONFIG) --libs hdf5_serial_hl 2>/dev/null),-lhdf5_hl)
 arrays_program := $(if $(call has_pkgs,$(array_pkgs)),$(build)/isoshade-arrays)
