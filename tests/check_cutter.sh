@@ -26,6 +26,7 @@ json.dump(scene, open("whole.scene.json", "w"))
 faces = [plane(axis, side, half[axis]) for axis in range(3) for side in (-1, 1)]
 json.dump(dict(scene, clip_planes=faces), open("box.scene.json", "w"))
 json.dump(dict(scene, clip_planes=[plane(2, 1, 0)]), open("plane.scene.json", "w"))
+json.dump(dict(scene, clip_planes=[plane(2, 1, 0), plane(0, -1, half[0])]), open("two.scene.json", "w"))
 opacity = 1 - math.exp(-0.05)
 point = {"r": 1, "g": 1, "b": 1, "opacity": opacity}
 flat = {"schema": "isoshade.tf/1", "range": [0, 65535], "unit_distance_mm": 1, "color_space": "linear", "table_size": 2,
@@ -33,7 +34,7 @@ flat = {"schema": "isoshade.tf/1", "range": [0, 65535], "unit_distance_mm": 1, "
 scene.update(tf=flat, shading={"ambient": 1, "diffuse": 0, "specular": 0, "power": 1})
 json.dump(scene, open("constant.scene.json", "w"))
 PY
-for name in box plane; do
+for name in box plane two; do
     check "reference_$name" "$ISOSHADE" render v.nrrd --scene $name.scene.json --size 40 -q -o $name.exr
 done
 run_on() { # BLEND, arguments
@@ -44,7 +45,7 @@ run_on() { # BLEND, arguments
 }
 export PYTHONDONTWRITEBYTECODE=1
 check it_is_written "$ISOSHADE" export v.nrrd --to blender --scene whole.scene.json --dense -q -o v.blend
-run_on v.blend box.exr plane.exr
+run_on v.blend box.exr plane.exr two.exr
 check and_a_constant_one "$ISOSHADE" export c.nrrd --to blender --scene constant.scene.json --dense -q -o c.blend
 run_on c.blend 0.05
 exit $failed

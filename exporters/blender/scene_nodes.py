@@ -128,7 +128,8 @@ def box_group(to_box, clip_planes):
     with 0 at its center: the ray is inside for  -f/g -+ 1/(2 |g|)  on each axis. A clip plane is one more face: n.f >=
     w, which the ray enters or leaves at  (w - n.f) / n.g  by the sign of n.g."""
     group = Group("isoshade box", [('NodeSocketVector', "Position", (0, 0, 0)), ('NodeSocketVector', "Ray", (0, 0, 1)),
-                                   ('NodeSocketFloat', "Step", 1.0)], [('NodeSocketFloat', "Inside")])
+                                   ('NodeSocketFloat', "Step", 1.0)],
+                  [('NodeSocketFloat', name) for name in ("Inside", "Enter", "Leave")])
     linear = [row[:3] for row in to_box]
     f = group.vector('ADD', dots(group, linear, group.given["Position"], "position in the box"),
                      [row[3] - 0.5 for row in to_box], label="from its center")
@@ -156,7 +157,9 @@ def box_group(to_box, clip_planes):
         leave = group.math('MINIMUM', leave, group.math('ADD', group.math('MULTIPLY', crossing, leaves),
                                                         group.math('MULTIPLY', enters, far)))
     length = group.math('MAXIMUM', group.math('SUBTRACT', leave, enter), 0.0)
-    return group.finish(Inside=group.math('DIVIDE', length, group.given["Step"], label="part of the step"))
+    # The add-on's cutters need the interval itself, in steps from the sample.
+    inside, *ends = (group.math('DIVIDE', value, group.given["Step"], label="part of the step") for value in (length, enter, leave))
+    return group.finish(Inside=inside, Enter=ends[0], Leave=ends[1])
 
 
 def roi_group(to_box):

@@ -70,11 +70,15 @@ def register():
     bpy.types.Scene.isoshade = PointerProperty(type=IsoshadeScene)
     bpy.types.WindowManager.isoshade = PointerProperty(type=IsoshadeState)
     bpy.types.TOPBAR_MT_file_import.append(menu)
+    for events in (bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.load_post):
+        events.append(cutter.follow)
 
 
 def unregister():
     if operators.running is not None:
         operators.running.cancel()
+    for events in (bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.load_post):
+        events.remove(cutter.follow)
     bpy.types.TOPBAR_MT_file_import.remove(menu)
     histogram.forget()
     del bpy.types.WindowManager.isoshade, bpy.types.Scene.isoshade

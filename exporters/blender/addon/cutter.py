@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cutters: empties and closed meshes that cut a volume, exact for any phase of the ray's steps.
 
-A group of nodes per cutter computes the part of a step inside of it, from the cutter's matrix, which drivers copy. A
-box and a sphere are intersected with the ray. For a plane and a mesh the part follows from the signed distances at both
-ends of the step; those of a mesh are sampled once to an image, so it must be cut again after it was edited."""
+A group of nodes per cutter computes the interval of a step inside of it, in steps from its middle, from the cutter's
+matrix, which drivers copy. A box and a sphere are intersected with the ray. For a plane and a mesh the interval follows
+from the signed distances at both ends of the step; those of a mesh are sampled once to an image, so it must be cut
+again after it was edited. Another group joins the intervals. A cutter's property isoshade_cuts points to its volume, so
+that copies cut, too: follow() makes their nodes, and removes those of deleted cutters."""
+import hashlib
 import math
 
 import bmesh
@@ -22,6 +25,10 @@ VECTOR = ("Vector", "Vector_001", "Vector_002")
 CELLS = 64  # samples along the longest side of a mesh
 MARGIN = 3  # samples around it
 NAME = "isoshade cutter "
+JOINED = "isoshade cutters"
+NUMBER = "isoshade_cut_number"  # of the volumes that a cutter cuts
+KEEPS = '["keep_inside"]'
+ENDS = ("Keeps From", "Keeps To", "Cuts From", "Cuts To")
 
 
 # ---- nodes -------------------------------------------------------------------------------------------------------
@@ -60,6 +67,11 @@ class Nodes:
     def join(self, *components):
         return self.add('ShaderNodeCombineXYZ', dict(zip("XYZ", components))).outputs["Vector"]
 
+    def finish(self, results):
+        sink = self.add('NodeGroupOutput', {})
+        for name, result in results.items():
+            self.tree.links.new(result, sink.inputs[name])
+
     def driven(self, source, paths):
         """A vector whose components copy properties of an object."""
         node = self.add('ShaderNodeCombineXYZ', {})
@@ -71,25 +83,33 @@ class Nodes:
         return node.outputs["Vector"]
 
 
-def place_in(nodes, cutter, size):
-    """Returns the sample's position in the cutter's coordinates, and its change along a step."""
-    a, b, c, origin = (nodes.driven(cutter, [f"matrix_world[{column}][{row}]" for row in range(3)])
-                       for column in range(4))
+def place_in(nodes, cutter, frame, size):
+    """Returns the sample's position in the cutter's coordinates, and its change along a step. Both come from the
+    volume's own coordinates, so that copies and instances of the volume are cut like it."""
+    def columns(thing):
+        return [nodes.driven(thing, [f"matrix_world[{column}][{row}]" for row in range(3)]) for column in range(4)]
+
+    def attribute(name, output):
+        return nodes.add('ShaderNodeAttribute', {}, attribute_type='OBJECT', attribute_name=name).outputs[output]
+
+    own = nodes.add('ShaderNodeTexCoord', {}).outputs["Object"]
+    own = nodes.vector('ADD', own, attribute("isoshade_offset", "Vector"))
+    incoming = nodes.add('ShaderNodeNewGeometry', {}).outputs["Incoming"]
+    step = nodes.vector('SCALE', incoming, attribute("isoshade_step", "Fac"))
+    step = nodes.add('ShaderNodeVectorTransform', {"Vector": step}, vector_type='VECTOR', convert_from='WORLD',
+                     convert_to='OBJECT').outputs["Vector"]
+    fa, fb, fc, frame_origin = columns(frame)
+    a, b, c, origin = columns(cutter)
     across = [nodes.vector('CROSS_PRODUCT', *pair) for pair in ((b, c), (c, a), (a, b))]
     whole = nodes.math('MULTIPLY', nodes.vector('DOT_PRODUCT', a, across[0]), size)
-    geometry = nodes.add('ShaderNodeNewGeometry', {}).outputs
-    step = nodes.add('ShaderNodeAttribute', {}, attribute_type='OBJECT', attribute_name="isoshade_step").outputs["Fac"]
     found = []
-    away = nodes.vector('SUBTRACT', geometry["Position"], origin)
-    for world in (away, nodes.vector('SCALE', geometry["Incoming"], step)):
-        parts = [nodes.math('DIVIDE', nodes.vector('DOT_PRODUCT', row, world), whole) for row in across]
-        found.append(nodes.join(*parts))
+    for local, start in ((own, nodes.vector('SUBTRACT', frame_origin, origin)), (step, (0, 0, 0))):
+        world = start
+        for part, column in zip(nodes.split(local), (fa, fb, fc)):
+            world = nodes.vector('ADD', world, nodes.vector('SCALE', column, part))
+        parts = [nodes.vector('DOT_PRODUCT', row, world) for row in across]
+        found.append(nodes.join(*(nodes.math('DIVIDE', part, whole) for part in parts)))
     return found
-
-
-def overlap(nodes, enter, leave):
-    enter, leave = nodes.math('MAXIMUM', enter, -0.5), nodes.math('MINIMUM', leave, 0.5)
-    return nodes.math('MAXIMUM', nodes.math('SUBTRACT', leave, enter), 0.0)
 
 
 def in_box(nodes, f, g):
@@ -100,7 +120,7 @@ def in_box(nodes, f, g):
     x, y, z = nodes.split(nodes.vector('SUBTRACT', middle, reach))
     enter = nodes.math('MAXIMUM', nodes.math('MAXIMUM', x, y), z)
     x, y, z = nodes.split(nodes.vector('ADD', middle, reach))
-    return overlap(nodes, enter, nodes.math('MINIMUM', nodes.math('MINIMUM', x, y), z))
+    return enter, nodes.math('MINIMUM', nodes.math('MINIMUM', x, y), z)
 
 
 def in_sphere(nodes, f, g):
@@ -112,25 +132,33 @@ def in_sphere(nodes, f, g):
     left = nodes.math('SUBTRACT', 1.0, nodes.vector('DOT_PRODUCT', nearest, nearest))
     half = nodes.math('SQRT', nodes.math('MAXIMUM', left, 0.0))
     enter = nodes.math('DIVIDE', nodes.math('SUBTRACT', nodes.math('MULTIPLY', before, -1.0), half), length)
-    leave = nodes.math('DIVIDE', nodes.math('SUBTRACT', half, before), length)
-    return overlap(nodes, enter, leave)
+    return enter, nodes.math('DIVIDE', nodes.math('SUBTRACT', half, before), length)
 
 
-def between(nodes, middle, change):
-    """Part of a step with a positive value, for a value that is linear along the step."""
-    change = nodes.math('ADD', nodes.math('ABSOLUTE', change), 1e-20)
-    return nodes.math('ADD', nodes.math('DIVIDE', middle, change), 0.5, clamp=True)
+def where_positive(nodes, middle, change):
+    """The interval with positive values, for a value that is linear along the step."""
+    change = nodes.math('ADD', change, 1e-20)
+    crossing = nodes.math('DIVIDE', nodes.math('MULTIPLY', middle, -1.0), change)
+    crossing = within_step(nodes, crossing)
+    rises = nodes.math('GREATER_THAN', change, 0.0)
+    falls = nodes.math('SUBTRACT', 1.0, rises)
+    return (nodes.math('MULTIPLY_ADD', rises, nodes.math('ADD', crossing, 0.5), -0.5),
+            nodes.math('MULTIPLY_ADD', falls, nodes.math('SUBTRACT', crossing, 0.5), 0.5))
+
+
+def within_step(nodes, value):
+    return nodes.math('MINIMUM', nodes.math('MAXIMUM', value, -0.5), 0.5)
 
 
 def in_plane(nodes, f, g):
-    return between(nodes, nodes.split(f)[2], nodes.split(g)[2])
+    return where_positive(nodes, nodes.split(f)[2], nodes.split(g)[2])
 
 
 # ---- meshes ------------------------------------------------------------------------------------------------------
 
 
 def closed_mesh(cutter):
-    """Returns the cutter's triangles in its own coordinates."""
+    """Returns the cutter's triangles in its own coordinates, its vertices, and a digest of both."""
     graph = bpy.context.evaluated_depsgraph_get()
     shown = cutter.evaluated_get(graph)
     mesh = bmesh.new()
@@ -139,7 +167,10 @@ def closed_mesh(cutter):
         shown.to_mesh_clear()
         if not mesh.faces or not all(edge.is_manifold for edge in mesh.edges):
             raise Refused(f"{cutter.name}: is not closed; a cutter needs a mesh without holes or loose edges")
-        return BVHTree.FromBMesh(mesh), [vertex.co.copy() for vertex in mesh.verts]
+        corners = [vertex.co.copy() for vertex in mesh.verts]
+        faces_of = [[vertex.index for vertex in face.verts] for face in mesh.faces]
+        digest = hashlib.sha256(repr(([tuple(corner) for corner in corners], faces_of)).encode()).hexdigest()
+        return BVHTree.FromBMesh(mesh), corners, digest
     finally:
         mesh.free()
 
@@ -156,10 +187,9 @@ def crossings(tree, start, top):
     return found
 
 
-def distances(cutter):
+def distances(cutter, tree, corners):
     """Samples the signed distance to a mesh, positive inside. Returns values [z, y, x], the first sample's place, and
     the distance of samples."""
-    tree, corners = closed_mesh(cutter)
     lo, hi = (Vector([pick(corner[a] for corner in corners) for a in range(3)]) for pick in (min, max))
     cell = max(hi - lo) / CELLS
     if not cell > 0:
@@ -200,10 +230,19 @@ def distance_image(values, name):
     return image, across
 
 
+def image_of(cutter):
+    """Returns the image of a mesh's distances, that of an equal mesh if there is one, and where its samples are."""
+    tree, corners, digest = closed_mesh(cutter)
+    image = next((image for image in bpy.data.images if image.get("isoshade_mesh") == digest), None)
+    if not image:
+        values, lo, cell = distances(cutter, tree, corners)
+        image, across = distance_image(values, NAME + cutter.name)
+        image["isoshade_mesh"], image["isoshade_samples"] = digest, [*lo, cell, *values.shape[::-1], across]
+    return image, list(image["isoshade_samples"])
+
+
 def in_mesh(nodes, f, g, cutter):
-    values, lo, cell = distances(cutter)
-    image, across = distance_image(values, NAME + cutter.name)
-    nz, ny, nx = values.shape
+    image, (*lo, cell, nx, ny, nz, across) = image_of(cutter)
     width, height = image.size
 
     def slice_at(x, y, z):
@@ -229,7 +268,7 @@ def in_mesh(nodes, f, g, cutter):
     half = nodes.vector('SCALE', g, 0.5)
     first, second = at(nodes.vector('SUBTRACT', f, half)), at(nodes.vector('ADD', f, half))
     middle = nodes.math('MULTIPLY', nodes.math('ADD', first, second), 0.5)
-    return between(nodes, middle, nodes.math('SUBTRACT', second, first))
+    return where_positive(nodes, middle, nodes.math('SUBTRACT', second, first))
 
 
 # ---- cutting -----------------------------------------------------------------------------------------------------
@@ -243,27 +282,70 @@ def shape_of(cutter):
     return {'CUBE': 'BOX', 'SPHERE': 'SPHERE'}.get(cutter.empty_display_type, 'PLANE')
 
 
-def cutter_group(cutter):
-    """Makes the group that returns the kept part of a step."""
-    tree = bpy.data.node_groups.new(NAME + cutter.name, 'ShaderNodeTree')
-    if hasattr(tree, "interface"):
-        tree.interface.new_socket(name="Kept", in_out='OUTPUT', socket_type='NodeSocketFloat')
-    else:
-        tree.outputs.new('NodeSocketFloat', "Kept")
+def new_group(name, inputs, outputs):
+    tree = bpy.data.node_groups.new(name, 'ShaderNodeTree')
+    for way, labels in (('INPUT', inputs), ('OUTPUT', outputs)):
+        for label in labels:
+            if hasattr(tree, "interface"):
+                tree.interface.new_socket(name=label, in_out=way, socket_type='NodeSocketFloat')
+            else:
+                (tree.inputs if way == 'INPUT' else tree.outputs).new('NodeSocketFloat', label)
+    return tree
+
+
+def cutter_group(cutter, frame):
+    """Makes the group that returns the interval of a step that a cutter keeps, and the one that it removes."""
+    tree = new_group(NAME + cutter.name, (), ENDS)
     nodes, shape = Nodes(tree), shape_of(cutter)
     try:
         size = nodes.split(nodes.driven(cutter, ["empty_display_size"]))[0] if shape in ('BOX', 'SPHERE') else 1.0
-        f, g = place_in(nodes, cutter, size)
+        f, g = place_in(nodes, cutter, frame, size)
         ways = {'BOX': in_box, 'SPHERE': in_sphere, 'PLANE': in_plane}
-        part = ways[shape](nodes, f, g) if shape in ways else in_mesh(nodes, f, g, cutter)
+        enter, leave = ways[shape](nodes, f, g) if shape in ways else in_mesh(nodes, f, g, cutter)
     except Refused:
         bpy.data.node_groups.remove(tree)
         raise
-    keeps = nodes.split(nodes.driven(cutter, ['["keep_inside"]']))[0]
-    sign = nodes.math('MULTIPLY_ADD', keeps, 2.0, -1.0)
-    kept = nodes.math('MULTIPLY_ADD', part, sign, nodes.math('SUBTRACT', 1.0, keeps))
-    tree.links.new(kept, nodes.add('NodeGroupOutput', {}).inputs["Kept"])
-    tree["isoshade_shape"] = shape
+    enter = within_step(nodes, enter)
+    leave = nodes.math('MAXIMUM', within_step(nodes, leave), enter)
+    number = nodes.add('ShaderNodeAttribute', {}, attribute_type='OBJECT', attribute_name=NUMBER).outputs["Fac"]
+    mine = nodes.math('COMPARE', number, float(number_of(frame)), 0.5)
+    inside = nodes.math('MULTIPLY', nodes.split(nodes.driven(cutter, [KEEPS]))[0], mine)
+    removes = nodes.math('SUBTRACT', mine, inside)
+    nodes.finish({
+        "Keeps From": nodes.math('MULTIPLY_ADD', inside, nodes.math('ADD', enter, 0.5), -0.5),
+        "Keeps To": nodes.math('MULTIPLY_ADD', inside, nodes.math('SUBTRACT', leave, 0.5), 0.5),
+        "Cuts From": enter,
+        "Cuts To": nodes.math('MULTIPLY_ADD', removes, nodes.math('SUBTRACT', leave, enter), enter)})
+    tree["isoshade_shape"], tree["isoshade_number"] = shape, number_of(frame)
+    return tree
+
+
+def joined(groups):
+    """Makes the group that returns the part of a step that all cutters leave: what they all keep, without the union of
+    what they remove. That is a sum of gaps, from the start and from each removed interval's end to the next start of an
+    interval that ends later."""
+    tree = new_group(JOINED, ("Enter", "Leave"), ("Inside",))
+    nodes = Nodes(tree)
+    given = nodes.add('NodeGroupInput', {}).outputs
+    found = [nodes.add('ShaderNodeGroup', {}, node_tree=group).outputs for group in groups]
+    first, last = given["Enter"], given["Leave"]
+    for one in found:
+        first = nodes.math('MAXIMUM', first, one["Keeps From"])
+        last = nodes.math('MINIMUM', last, one["Keeps To"])
+    cuts = [[nodes.math('MAXIMUM', nodes.math('MINIMUM', one[end], last), first) for end in ("Cuts From", "Cuts To")]
+            for one in found]
+    stops = [last] * (1 + len(cuts))
+    for i, (begin, end) in enumerate(cuts):
+        stops[0] = nodes.math('MINIMUM', stops[0], begin)
+        for j, (other_begin, other_end) in enumerate(cuts[:i]):
+            is_later = nodes.math('LESS_THAN', other_end, end)  # of equal ends one counts
+            beyond = nodes.math('SUBTRACT', 1.0, is_later)
+            stops[1 + i] = nodes.math('MINIMUM', stops[1 + i], nodes.math('ADD', other_begin, is_later))
+            stops[1 + j] = nodes.math('MINIMUM', stops[1 + j], nodes.math('ADD', begin, beyond))
+    total = 0.0
+    for start, stop in zip([first] + [end for _, end in cuts], stops):
+        total = nodes.math('ADD', total, nodes.math('MAXIMUM', nodes.math('SUBTRACT', stop, start), 0.0))
+    nodes.finish({"Inside": total})
     return tree
 
 
@@ -271,59 +353,146 @@ def main_tree(frame):
     return volume.look_of(volume.shown_object(frame))[0].node_tree
 
 
+def number_of(frame):
+    return int(volume.levels_of(frame)[0].get(NUMBER, 0))
+
+
+def set_number(frame):
+    """Gives a volume a number of its own: copies with the same number share its cutters."""
+    number = 1 + max(int(thing.get(NUMBER, 0)) for thing in bpy.data.objects)
+    for thing in volume.levels_of(frame):
+        thing[NUMBER] = float(number)
+
+
+def join_node(tree):
+    return next((node for node in tree.nodes
+                 if node.type == 'GROUP' and node.node_tree and node.node_tree.name.startswith(JOINED)), None)
+
+
+def owner_of(group):
+    """Returns the object of a cutter's group; None after it was deleted."""
+    curves = group.animation_data.drivers if group.animation_data else ()
+    targets = [curve.driver.variables[0].targets[0] for curve in curves]
+    return next((target.id for target in targets if target.data_path == KEEPS), None)
+
+
+def groups_in(tree):
+    join = join_node(tree)
+    return [node.node_tree for node in join.node_tree.nodes if node.type == 'GROUP' and node.node_tree] if join else []
+
+
 def cutters_of(frame):
-    """Returns nodes and objects of the cutters; an object is None after it was deleted."""
-    found = []
-    for node in main_tree(frame).nodes:
-        if node.type == 'GROUP' and node.node_tree and "isoshade_shape" in node.node_tree:
-            animation = node.node_tree.animation_data
-            drivers = animation.drivers if animation else ()
-            found.append((node, next((curve.driver.variables[0].targets[0].id for curve in drivers), None)))
-    return found
+    """Returns groups and objects of a volume's cutters."""
+    number = number_of(frame)
+    return [(group, owner_of(group)) for group in groups_in(main_tree(frame)) if group["isoshade_number"] == number]
 
 
-def cut(frame, cutter, keep_inside):
-    """Cuts a volume, and all that have its material; replaces the nodes of an earlier cut by this object."""
-    tree = main_tree(frame)
-    box = next((node for node in tree.nodes if node.type == 'GROUP' and "Inside" in node.outputs), None)
+def connect(tree, groups):
+    """Makes the part of a step inside the box that of all cutters, too; removes groups that are no longer in use."""
+    box = next((node for node in tree.nodes if node.type == 'GROUP' and "Enter" in node.outputs), None)
     if not box:
         raise Refused(f"{tree.name}: its part inside the box is missing; export again")
-    cutter["keep_inside"] = int(keep_inside)
-    cutter.update_tag()
-    cutter.id_properties_ui("keep_inside").update(min=0, max=1, description="0: removes the inside. 1: keeps only it")
-    group = cutter_group(cutter)
-    remove(frame, cutter)
-    node = tree.nodes.new('ShaderNodeGroup')
-    node.node_tree, node.name = group, group.name
-    both = tree.nodes.new('ShaderNodeMath')
-    both.operation, both.name = 'MULTIPLY', group.name + " product"
-    node.location, both.location = (box.location.x, box.location.y + 300), (box.location.x + 180, box.location.y + 200)
-    users = [link.to_socket for link in box.outputs["Inside"].links]
+    old, before = join_node(tree), groups_in(tree)
+    source = (old or box).outputs["Inside"]
+    users, result = [link.to_socket for link in source.links], box.outputs["Inside"]
+    if groups:
+        join = tree.nodes.new('ShaderNodeGroup')
+        join.node_tree, join.location = joined(groups), (box.location.x, box.location.y + 300)
+        for end in ("Enter", "Leave"):
+            tree.links.new(box.outputs[end], join.inputs[end])
+        result = join.outputs["Inside"]
     for user in users:
-        tree.links.new(both.outputs["Value"], user)
-    tree.links.new(box.outputs["Inside"], both.inputs[0])
-    tree.links.new(node.outputs["Kept"], both.inputs[1])
+        tree.links.new(result, user)
+    if old:
+        bpy.data.node_groups.remove(old.node_tree)
+        tree.nodes.remove(old)
+    for group in before:
+        if group not in groups:
+            images = {node.image for node in group.nodes if node.type == 'TEX_IMAGE'}
+            bpy.data.node_groups.remove(group)
+            for image in images:
+                if image and not image.users:
+                    bpy.data.images.remove(image)
 
 
-def remove(frame, cutter=None):
-    """Removes the nodes of one cutter, or of all. Returns their number."""
-    tree, count = main_tree(frame), 0
-    for node, owner in cutters_of(frame):
-        if cutter is not None and owner != cutter:
+def cut(frame, cutters, keep_inside):
+    """Cuts a volume; replaces the nodes of earlier cuts by these objects."""
+    for cutter in cutters:
+        cutter["keep_inside"] = int(keep_inside)
+        cutter.id_properties_ui("keep_inside").update(min=0, max=1, description="0: removes the inside. 1: keeps only it")
+        cutter.update_tag()
+    if not number_of(frame):
+        set_number(frame)
+    tree, made = main_tree(frame), []
+    try:
+        for cutter in cutters:
+            made.append(cutter_group(cutter, frame))
+        connect(tree, [group for group in groups_in(tree) if owner_of(group) not in cutters] + made)
+    except Refused:
+        for group in made:
+            bpy.data.node_groups.remove(group)
+        raise
+    for cutter in cutters:
+        cutter["isoshade_cuts"] = frame
+
+
+def remove(frame):
+    """Removes all cuts of a volume. Returns their number."""
+    tree, found = main_tree(frame), cutters_of(frame)
+    for _, owner in found:
+        if owner and "isoshade_cuts" in owner:
+            del owner["isoshade_cuts"]
+    connect(tree, [group for group in groups_in(tree) if group not in {group for group, _ in found}])
+    return len(found)
+
+
+# ---- copies ------------------------------------------------------------------------------------------------------
+
+object_count = -1  # at the last look
+
+
+def cuts(thing):
+    """Returns the volume that an object of some scene cuts, or None."""
+    frame = thing.get("isoshade_cuts") if thing and thing.users_scene else None
+    return frame if isinstance(frame, bpy.types.Object) and frame.users_scene and volume.levels_of(frame) else None
+
+
+def follow_copies():
+    """Gives copied cutters their nodes, and takes those of deleted ones. A copied volume with copied cutters gets a
+    number of its own."""
+    wanted = {}
+    for thing in bpy.data.objects:
+        frame = cuts(thing) if "isoshade_cuts" in thing and not thing.library else None
+        if frame and not frame.library:
+            wanted.setdefault(frame, []).append(thing)
+    frames = {thing.parent for thing in bpy.data.objects if thing.type == 'VOLUME' and NUMBER in thing and thing.parent}
+    for frame in frames:
+        try:
+            tree = main_tree(frame)
+            groups = groups_in(tree)
+            kept = [group for group in groups if cuts(owner_of(group))]
+            owners = [owner_of(group) for group in kept]
+            new = [thing for thing in wanted.get(frame, ()) if thing not in owners]
+            if new and not any(cuts(owner) == frame for owner in owners):
+                set_number(frame)
+            kept += [cutter_group(thing, frame) for thing in new]
+            if kept != groups:
+                connect(tree, kept)
+        except Refused:  # of a file that others made
             continue
-        both = node.outputs["Kept"].links[0].to_node
-        source = both.inputs[0].links[0].from_socket
-        for user in [link.to_socket for link in both.outputs["Value"].links]:
-            tree.links.new(source, user)
-        group = node.node_tree
-        images = [one.image for one in group.nodes if one.type == 'TEX_IMAGE']
-        tree.nodes.remove(both)
-        tree.nodes.remove(node)
-        bpy.data.node_groups.remove(group)
-        for image in {image for image in images if image and image.users <= 1}:
-            bpy.data.images.remove(image)
-        count += 1
-    return count
+
+
+@bpy.app.handlers.persistent
+def follow(*_):
+    """Looks for copied and deleted cutters, if the number of objects has changed."""
+    global object_count
+    if len(bpy.data.objects) == object_count:
+        return
+    object_count = len(bpy.data.objects)
+    if bpy.app.background:
+        follow_copies()
+    elif not bpy.app.timers.is_registered(follow_copies):
+        bpy.app.timers.register(follow_copies, first_interval=0)
 
 
 def new_empty(frame, shape, context):
@@ -370,10 +539,10 @@ def faces(cutter, shape):
 def clip_planes(frame, point, direction):
     """Returns the cutters in the form of a scene's clip planes. point, direction: to the volume's millimeters."""
     planes = []
-    for node, cutter in cutters_of(frame):
-        kept = faces(cutter, node.node_tree["isoshade_shape"]) if cutter else None
+    for group, cutter in cutters_of(frame):
+        kept = faces(cutter, group["isoshade_shape"]) if cutter else None
         if kept is None:
-            raise Refused(f"{cutter.name if cutter else node.name}: the reference cuts only by planes, and by a box "
+            raise Refused(f"{cutter.name if cutter else group.name}: the reference cuts only by planes, and by a box "
                           "that keeps its inside; remove this cutter to certify")
         planes += [{"normal": list(direction(normal)), "point_mm": list(point(place))} for place, normal in kept]
     return planes
@@ -382,26 +551,33 @@ def clip_planes(frame, point, direction):
 # ---- buttons -----------------------------------------------------------------------------------------------------
 
 
+def chosen(frame, context):
+    """Returns the selected objects that can cut a volume, with the active one."""
+    active = context.view_layer.objects.active
+    own = (frame, *volume.levels_of(frame))
+    if not active or active in own:
+        raise Refused("Make an empty or a closed mesh the active object; all selected ones cut")
+    return [active] + [thing for thing in context.view_layer.objects.selected
+                       if thing != active and thing not in own and thing.type in ('EMPTY', 'MESH')]
+
+
 class ISOSHADE_OT_cut(Button, bpy.types.Operator):
-    """Cut the volume by a new empty, or by the active empty or closed mesh; after editing a mesh, cut again"""
+    """Cut the volume by a new empty, or by the selected empties and closed meshes; after editing a mesh, cut again"""
     bl_idname, bl_label = "isoshade.cut", "Cut"
     shape: EnumProperty(name="Shape", items=(('BOX', "Box", "An empty cube"), ('SPHERE', "Sphere", "An empty sphere"),
                                              ('PLANE', "Plane", "An arrow: its side is cut away, or kept"),
-                                             ('ACTIVE', "Active", "The active empty, or closed mesh")))
+                                             ('SELECTED', "Selected", "The selected empties and closed meshes")))
     keep_inside: BoolProperty(name="Keep inside", description="Keep only the inside, or a plane's side of the arrow")
 
     def work(self, context):
-        active = context.view_layer.objects.active
         frame = volume.need_frame(context)
-        if self.shape != 'ACTIVE':
-            active = new_empty(frame, self.shape, context)
-        elif not active or active == frame or active in volume.levels_of(frame):
-            raise Refused("Make an empty or a closed mesh the active object")
+        cutters = chosen(frame, context) if self.shape == 'SELECTED' else [new_empty(frame, self.shape, context)]
         context.view_layer.update()
-        cut(frame, active, self.keep_inside)
-        if active.type == 'MESH':
-            active.display_type, active.hide_render = 'WIRE', True
-        return f"{active.name} cuts {frame.name}"
+        cut(frame, cutters, self.keep_inside)
+        for cutter in cutters:
+            if cutter.type == 'MESH':
+                cutter.display_type, cutter.hide_render = 'WIRE', True
+        return f"{', '.join(cutter.name for cutter in cutters)}: cut {frame.name}"
 
 
 class ISOSHADE_OT_uncut(Button, bpy.types.Operator):

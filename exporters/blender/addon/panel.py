@@ -111,13 +111,13 @@ class ISOSHADE_PT_cut(Section, bpy.types.Panel):
         layout, frame = self.layout, volume.find_frame(context)
         row = layout.row(align=True)
         for shape, icon in (('BOX', 'CUBE'), ('SPHERE', 'SPHERE'), ('PLANE', 'EMPTY_SINGLE_ARROW'),
-                            ('ACTIVE', 'RESTRICT_SELECT_OFF')):
+                            ('SELECTED', 'RESTRICT_SELECT_OFF')):
             row.operator("isoshade.cut", text=shape.capitalize(), icon=icon).shape = shape
         try:
             found = cutter.cutters_of(frame)
         except Refused:
             return
-        for node, thing in found:
+        for _, thing in found:
             if thing is not None:
                 layout.prop(thing, '["keep_inside"]', text=f"{thing.name}: keep inside")
         if found:
