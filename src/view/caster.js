@@ -16,9 +16,7 @@ const makeCaster = (context, data) => {
         if (adapted && level.adapter) table = adaptTable(level.adapter, table, data.mean_spacing_mm);
         if (data.has_no_data) table = endedBelow(table, data.value_range[0]);
         const ranges = level.ranges ??= brickRanges(level.numbers, level.size);
-        const occupancy = occupancyOf(ranges, level.scalar, table), made = {...table, skip: occupancy.part <= skipOccupied, part: occupancy.part};
-        made.texture = uploadTable(context, table);
-        if (made.skip) made.occupancy = uploadOccupancy(context, occupancy);
+        const made = {...table, bricks: occupancyOf(ranges, level.scalar, table), texture: uploadTable(context, table)};
         tables.set(key, made);
         if (tables.size > 6) {
             const [oldest, old] = tables.entries().next().value;
@@ -119,8 +117,9 @@ const makeCaster = (context, data) => {
         }];
     };
     const overOf = q => shownOverlay(context, data.overlay?.level, q.overlay);
-    // A brick may be empty in one of two levels or volumes only.
-    const skips = q => !q.roi && !overOf(q) && tableOf(q.level, q.tf, q.adapted, q.table).skip;
+    // A brick may be empty in one of two levels only.
+    const skips = q => !q.roi && Math.min(tableOf(q.level, q.tf, q.adapted, q.table).bricks.part, overOf(q)?.table.bricks.part ?? 1) <= skipOccupied;
+    const occupancyTexture = table => table.occupancy ??= uploadOccupancy(context, table.bricks);
     // Resolves when the program of a request is compiled.
     const compiled = q => context.compiled(...programOf(q, scalarOf(q.level), skips(q), overOf(q)));
     // Uploads a level's textures before they are needed, in steps. The level is not shown yet.
@@ -147,13 +146,14 @@ const makeCaster = (context, data) => {
         bind(1, gl.TEXTURE_2D, table.texture);
         if (code) bind(2, gl.TEXTURE_3D, code.texture.texture);
         if (vectors) bind(2, gl.TEXTURE_3D, vectors);
-        if (skip) bind(3, gl.TEXTURE_3D, table.occupancy);
+        if (skip) bind(3, gl.TEXTURE_3D, occupancyTexture(table));
         if (level.share) bind(8, gl.TEXTURE_3D, level.shareTexture ??= uploadShare(context, level));
         if (level.isPlan) bind(7, gl.TEXTURE_3D, level.layoutTexture ??= uploadLayout(context, level));
         if (over) {
             setOverlay(program, q.camera, over, scalarOf(over));
             bind(11, gl.TEXTURE_3D, over.scalarTexture.texture);
             bind(12, gl.TEXTURE_2D, over.table.texture);
+            if (skip) bind(13, gl.TEXTURE_3D, occupancyTexture(over.table));
         }
         if (fine) {
             setRoi(program, q, fine.scalar, fine.table);
@@ -180,7 +180,7 @@ const makeCaster = (context, data) => {
             for (const t of [l.scalarTexture, ...l.codes.map(c => c.texture)]) if (t) gl.deleteTexture(t.texture);
             if (l.layoutTexture) gl.deleteTexture(l.layoutTexture);
             if (l.shareTexture) gl.deleteTexture(l.shareTexture);
-            if (l.table) gl.deleteTexture(l.table.texture);
+            for (const texture of [l.table?.texture, l.table?.occupancy]) if (texture) gl.deleteTexture(texture);
             l.table = l.tableKey = undefined;
             l.scalarTexture = l.layoutTexture = l.shareTexture = undefined;
             for (const code of l.codes) code.texture = undefined;

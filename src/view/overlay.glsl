@@ -11,6 +11,26 @@ uniform mat3 over_to_index;
 uniform vec3 over_position_index, over_box_index;
 uniform mat3 over_gradient_to_world;         // like gradient_to_world
 uniform float over_eps;
+#if SKIP_EMPTY
+uniform usampler3D over_occupancy;
+uniform vec3 over_bricks_per_volume;
+
+// If a volume may show something in the segments before `until`.
+struct Known { bool shows; float until; };
+
+Known look(usampler3D bricks, vec3 per_volume, Ray ray, float n, Known known)
+{
+    if (n < known.until)
+        return known;
+    float k = n - ray.number, end;
+    if (ray.length <= 0.0 || k >= ray.length)
+        return Known(false, 1e30);
+    if (k < 0.0)
+        return Known(false, ray.number);
+    bool empty = is_empty(bricks, per_volume, textureSize(bricks, 0) - 1, ray, k, end);
+    return Known(!empty, end + ray.number);
+}
+#endif
 
 float over_at(vec3 p) { return over_labels ? textureLod(over_scalar, p, 0.0).r : filtered(over_scalar, p).r; }
 
@@ -82,8 +102,26 @@ void main()
     float from = min(ray.length > 0.0 ? ray.number : 1e30, over.length > 0.0 ? over.number : 1e30);
     float to = max(ray.length > 0.0 ? ray.number + ray.length : 0.0,
                    over.length > 0.0 ? over.number + over.length : 0.0);
+#if SKIP_EMPTY
+    Known of_own = Known(false, from), of_other = of_own;
+#endif
     for (float n = from; n < to && before >= 1e-7; n += 1.0) {
-        Part a = own_part(ray, n - ray.number, halfway), b = over_part(over, n - over.number, halfway);
+        bool own_shows = true, other_shows = true;
+#if SKIP_EMPTY
+        of_own = look(occupancy, held.bricks_per_volume, ray, n, of_own);
+        of_other = look(over_occupancy, over_bricks_per_volume, over, n, of_other);
+        own_shows = of_own.shows;
+        other_shows = of_other.shows;
+        if (!own_shows && !other_shows) {
+            n = min(of_own.until, of_other.until) - 1.0;
+            continue;
+        }
+#endif
+        Part a = Part(0.0, vec3(0.0), 0.0), b = a;
+        if (own_shows)
+            a = own_part(ray, n - ray.number, halfway);
+        if (other_shows)
+            b = over_part(over, n - over.number, halfway);
         float depth = a.depth + b.depth, share = b.depth > 0.0 ? a.depth / depth : 1.0;
         before = transmittance;
         float weight = before >= 1e-7 ? before * opacity_of(depth) : 0.0;

@@ -40,9 +40,9 @@ const shownOverlay = (context, level, settings) => {
     const covered = {...tf, points: tf.points.map(p => ({...p, opacity: p.opacity * settings.cover}))};
     let table = tabulate(covered, valueRange, Math.cbrt(spacings(level).reduce((a, b) => a * b)));
     if (level.has_no_data) table = endedBelow(table, level.min);
-    if (level.table) gl.deleteTexture(level.table.texture);
-    const shows = shownBy(table)(level.min, level.max);
-    Object.assign(level, {tableKey: key, table: shows ? {...table, texture: uploadTable(context, table)} : null});
+    for (const texture of [level.table?.texture, level.table?.occupancy]) if (texture) gl.deleteTexture(texture);
+    const bricks = occupancyOf(level.ranges ??= brickRanges(level.numbers, level.size), level.scalar, table);
+    Object.assign(level, {tableKey: key, table: bricks.part > 0 ? {...table, bricks, texture: uploadTable(context, table)} : null});
     return level.table && level;
 };
 const setOverlay = (program, camera, level, scalar) => {
@@ -53,6 +53,8 @@ const setOverlay = (program, camera, level, scalar) => {
     program.float('over_tf_offset', (level.scalar.zero - table.lo) * entries);
     program.int('over_tf_count', table.count);
     program.int('over_labels', level.labels);
+    program.int('over_occupancy', 13);
+    program.vec3('over_bricks_per_volume', level.size.map(n => n / brickVoxels));
     program.mat3('over_to_index', inverse(level.index_to_world));
     program.vec3('over_position_index', toIndex(level, camera.position));
     program.vec3('over_box_index', level.size);

@@ -216,22 +216,30 @@ Segment segment(Ray ray, float k)
 }
 
 #if SKIP_EMPTY
-// True if segment k's middle lies in a visible brick; segments before `until` are known to. If not, k becomes the first
-// segment beyond the cube of bricks nearer than `distance`, which is empty. Brick ranges reach half a voxel further
-// than the brick, so rounding at its faces does not matter.
+// True if the brick of segment k's middle is empty by `bricks`, the distances to bricks that are not. `end` is the first
+// segment beyond the brick, or beyond the cube of bricks nearer than `distance`, all empty. Brick ranges reach half a
+// voxel further than the brick, so rounding at its faces does not matter.
+bool is_empty(usampler3D bricks, vec3 per_volume, ivec3 last, Ray ray, float k, out float end)
+{
+    vec3 p = segment(ray, k).p * per_volume;
+    ivec3 brick = clamp(ivec3(p), ivec3(0), last);
+    int empty = int(texelFetch(bricks, brick, 0).r), reach = max(empty, 1);
+    vec3 stride = ray.stride * per_volume;
+    vec3 face = vec3(brick) + mix(vec3(1 - reach), vec3(reach), greaterThan(stride, vec3(0.0)));
+    vec3 steps = (face - p) / mix(stride, vec3(1e-30), equal(stride, vec3(0.0)));
+    steps = mix(steps, vec3(1e30), equal(stride, vec3(0.0)));
+    end = k + floor(max(min(steps.x, min(steps.y, steps.z)), 0.0)) + 1.0;
+    return empty > 0;
+}
+
+// True if segment k lies in a visible brick; segments before `until` are known to. If not, k becomes the first segment
+// that may.
 bool leave_empty_bricks(Ray ray, inout float k, inout float until)
 {
     bool known = k < until;
     if (!known) {
-        vec3 p = segment(ray, k).p * held.bricks_per_volume;
-        ivec3 brick = clamp(ivec3(p), ivec3(0), held.last_occupancy);
-        int empty = int(texelFetch(occupancy, brick, 0).r), reach = max(empty, 1);
-        vec3 stride = ray.stride * held.bricks_per_volume;
-        vec3 face = vec3(brick) + mix(vec3(1 - reach), vec3(reach), greaterThan(stride, vec3(0.0)));
-        vec3 steps = (face - p) / mix(stride, vec3(1e-30), equal(stride, vec3(0.0)));
-        steps = mix(steps, vec3(1e30), equal(stride, vec3(0.0)));
-        float end = k + floor(max(min(steps.x, min(steps.y, steps.z)), 0.0)) + 1.0;
-        known = empty == 0;
+        float end;
+        known = !is_empty(occupancy, held.bricks_per_volume, held.last_occupancy, ray, k, end);
         if (known)
             until = end;
         else
