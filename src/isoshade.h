@@ -425,6 +425,40 @@ iso_frame_options iso_frame_defaults(void);
 iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const iso_frame_options *options,
                       iso_image *image, iso_error *err);
 
+/* ---- plans ------------------------------------------------------------------------------------------------------- */
+
+typedef struct iso_plan_options {
+    double error;                   /* largest RMSE of each picture, 1e-6 to 1 */
+    double memory_bytes;            /* instead: limit of all bricks; 0: none */
+    size_t levels;                  /* with level 0, 1 to 7 */
+    size_t brick_voxels;            /* along a side, a power of two, 2 to 64 */
+    size_t views;                   /* 1 to 360: the scene's, and others turned around its up axis by equal angles */
+    size_t width, height;           /* 0: the scene's */
+    int threads;                    /* 0: all cores */
+    iso_progress_callback progress; /* or NULL */
+    void *progress_user;
+    const void *reserved[8];
+} iso_plan_options;
+/* Returns the defaults: an error of 1/255, 4 levels, bricks of 16 voxels, one view. */
+iso_plan_options iso_plan_defaults(void);
+
+/* The smallest model that a scene needs: bricks omitted, coarse or fine. Free it by iso_plan_result_destroy(). */
+typedef struct iso_plan_result {
+    size_t brick_count, drawn_count;
+    double bytes, full_bytes; /* of the drawn bricks, and of all at level 0 */
+    double predicted_rmse;
+    double measured_rmse; /* of the view in which it is the largest */
+    double blank_rmse;    /* of an empty picture; if it is near the measured one, the plan shows almost nothing */
+    char *json;           /* a plan file (doc/reference/files-chart.md), for iso_export_options and `isoshade export` */
+    const void *reserved[8];
+} iso_plan_result;
+/* Plans for a scene, and verifies the plan by rendering. ISO_E_USAGE: a label map, a pyramid that was built for a
+ * scene; ISO_E_RANGE: no plan is within the error or the memory, an option is outside its limits; ISO_E_MEMORY;
+ * ISO_E_CANCELED. */
+iso_status iso_plan(const iso_pyramid *pyramid, const iso_scene *scene, const iso_plan_options *options,
+                    iso_plan_result *plan, iso_error *err);
+void iso_plan_result_destroy(iso_plan_result *plan); /* accepts empty and NULL */
+
 /* ---- export ------------------------------------------------------------------------------------------------------ */
 
 typedef struct iso_export_options {
@@ -439,7 +473,8 @@ typedef struct iso_export_options {
     bool adapt;                     /* True to adapt the TF to each level; for targets with a scene */
     bool extinction_scale;          /* True to scale the extinction of coarse voxels, for their opacity; needs a scene */
     const iso_region *region;       /* or NULL; for "blender" and "povray" */
-    const void *reserved[6];
+    const char *plan;               /* text of a plan made with the same TF; or NULL; for "vdb", "nanovdb", "povray" ... */
+    const void *reserved[5];
 } iso_export_options;
 /* Returns the defaults: only level 0. */
 iso_export_options iso_export_defaults(void);

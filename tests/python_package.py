@@ -224,6 +224,11 @@ class Pyramids(unittest.TestCase):
         rough, fine = (p.plan(error, size=24, levels=2) for error in (0.1, 1e-4))
         self.assertLess(rough["bytes"], fine["bytes"])
         self.assertLessEqual(rough["measured_rmse"], 0.1)
+        self.assertLessEqual(p.plan(memory=rough["bytes"], size=24, levels=2)["bytes"], rough["bytes"])
+        part, whole = (p.export(None, to="vdb", size=24, plan=plan) for plan in (rough, None))
+        self.assertNotEqual(part, whole)
+        with self.assertRaisesRegex(iso.Error, "error is 2"):
+            p.plan(2)
         for form, magic in ("pdf", b"%PDF"), ("svg", b"<?xml"), ("png", b"\x89PNG"):
             self.assertEqual(p.figure("tf", format=form, width=85, dpi=60)[:len(magic)], magic)
         with self.assertRaisesRegex(iso.Error, "best") as caught:

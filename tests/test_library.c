@@ -417,6 +417,16 @@ TEST(canceled_work_leaves_nothing)
         assert_int_equal(iso_export(pyramid, scene, "povray", path, &export, &err), ISO_E_CANCELED);
         assert_int_equal(p.late, 0);
     }
+    for (int after = 0; after < 3; ++after) {
+        patience p = {.left = after};
+        iso_plan_options plan = iso_plan_defaults();
+        iso_plan_result result;
+        plan.error = 1e-5;
+        plan.progress = cancel_in_the_end;
+        plan.progress_user = &p;
+        assert_int_equal(iso_plan(pyramid, scene, &plan, &result, &err), ISO_E_CANCELED);
+        assert_true(p.late == 0 && !result.json);
+    }
     patience p = {.left = 0};
     const iso_page_options page = {.progress = cancel_in_the_end, .progress_user = &p};
     assert_int_equal(iso_view_page(pyramid, scene, &page, &html, &err), ISO_E_CANCELED);
@@ -827,6 +837,69 @@ TEST(a_vdb_in_memory_is_that_of_a_file)
     o = iso_export_defaults();
     o.region = &whole;
     assert_fails(iso_export(pyramid, NULL, "vdb", path, &o, &err), ISO_E_USAGE, "no region");
+    iso_scene_free(scene);
+    iso_pyramid_free(pyramid);
+}
+
+TEST(a_plan_keeps_its_limit_and_is_exported)
+{
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    iso_scene *scene = a_scene();
+    iso_plan_options o = iso_plan_defaults();
+    iso_plan_result rough, fine, small;
+    unsigned char *bytes;
+    size_t size;
+    o.brick_voxels = 4;
+    o.levels = 3;
+    o.views = 2;
+    o.error = 0.05;
+    assert_ok(iso_plan(pyramid, scene, &o, &rough, &err));
+    o.error = 1e-4;
+    assert_ok(iso_plan(pyramid, scene, &o, &fine, &err));
+    assert_true(rough.measured_rmse <= 0.05 && fine.measured_rmse <= 1e-4);
+    assert_true(rough.bytes < fine.bytes && fine.bytes <= fine.full_bytes && rough.blank_rmse > 0.05);
+    assert_int_equal(fine.brick_count, 5 * 4 * 3); /* of NX - 1, NY - 1, NZ - 1 cells */
+    o.memory_bytes = rough.bytes;
+    assert_ok(iso_plan(pyramid, scene, &o, &small, &err));
+    assert_true(small.bytes <= rough.bytes && small.drawn_count > 0);
+
+    iso_export_options export = iso_export_defaults();
+    export.plan = rough.json;
+    assert_ok(iso_export_bytes(pyramid, scene, "vdb", &export, &bytes, &size, &err));
+    assert_memory_equal(bytes, " BDV", 4);
+    iso_free(bytes);
+    assert_fails(iso_export_bytes(pyramid, NULL, "vdb", &export, &bytes, &size, &err), ISO_E_USAGE, "for a scene");
+    export.adapt = true;
+    assert_fails(iso_export(pyramid, scene, "povray", "none", &export, &err), ISO_E_USAGE, "fixes the levels");
+    export = iso_export_defaults();
+    export.plan = "{\"schema\": \"isoshade.plan/1\"}";
+    assert_fails(iso_export_bytes(pyramid, scene, "vdb", &export, &bytes, &size, &err), ISO_E_FORMAT, "bricks");
+    iso_plan_result_destroy(&rough);
+    iso_plan_result_destroy(&fine);
+    iso_plan_result_destroy(&small);
+    assert_null(small.json);
+    iso_scene_free(scene);
+    iso_pyramid_free(pyramid);
+}
+
+TEST(plans_out_of_limits_are_refused)
+{
+    iso_pyramid *pyramid = ramp_pyramid(false);
+    iso_scene *scene = a_scene();
+    iso_plan_result plan;
+    const struct {
+        iso_plan_options options;
+        const char *words;
+    } bad[] = {{{.error = NAN, .levels = 1, .brick_voxels = 4, .views = 1}, "error is nan"},
+               {{.error = 0.1, .levels = 8, .brick_voxels = 4, .views = 1}, "levels is 8, must be 1 to 7"},
+               {{.error = 0.1, .levels = 1, .brick_voxels = 5, .views = 1}, "5"},
+               {{.error = 0.1, .levels = 1, .brick_voxels = 4, .views = 0}, "views is 0"},
+               {{.error = 0.1, .levels = 1, .brick_voxels = 4, .views = 1, .width = 20000}, "width is 20000"},
+               {{.error = 0.1, .memory_bytes = 1, .levels = 1, .brick_voxels = 4, .views = 1}, "needs"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        assert_fails(iso_plan(pyramid, scene, &bad[i].options, &plan, &err), ISO_E_RANGE, bad[i].words);
+        assert_null(plan.json);
+    }
     iso_scene_free(scene);
     iso_pyramid_free(pyramid);
 }

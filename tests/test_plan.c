@@ -37,7 +37,7 @@ static void destroy_scene(scene *s)
     iso_volume_destroy(&s->volume);
 }
 
-static size_t nodes_of(const iso_plan *p, const iso_node_levels *n)
+static size_t nodes_of(const iso_plan_errors *p, const iso_node_levels *n)
 {
     size_t count = 0;
     for (size_t i = 0; i < p->brick_count; ++i) {
@@ -70,9 +70,9 @@ static double rmse(const iso_image *a, const iso_image *b)
 TEST(prediction_bounds_the_model_and_is_near_the_measured_error)
 {
     ENDED_BY(destroy_scene) scene s;
-    OWNED(iso_plan) p;
+    OWNED(iso_plan_errors) p;
     make_scene(&s, ISO_FIELD_SHELLS);
-    assert_ok(iso_plan_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
+    assert_ok(iso_plan_errors_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
     const iso_brick_field f = {.nodes = &s.nodes, .levels = p.levels};
     OWNED(iso_image) full = render(&f, &s.view);
     size_t last = SIZE_MAX;
@@ -106,14 +106,14 @@ TEST(a_voxel_alone_is_not_overlooked)
         iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .scalar = scalar,
                            .max = 1};
         ENDED_BY(destroy_scene) scene s = {0};
-        OWNED(iso_plan) p;
+        OWNED(iso_plan_errors) p;
         memset(scalar, 0, sizeof scalar);
         scalar[at] = 1;
         assert_ok(iso_node_levels_create(&s.nodes, &level, 16, 3, true, 0, &err));
         assert_ok(iso_scene_resolve(&file, &level.geometry, 0, 1, &s.view, &err));
         for (size_t e = 0; e < s.view.tf.count; ++e)
             s.view.tf.entries[4 * e + 3] = e > s.view.tf.count * 3 / 4 ? 1 : 0;
-        assert_ok(iso_plan_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
+        assert_ok(iso_plan_errors_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
         iso_plan_choose(&p, &s.nodes, 1e-9);
         assert_int_equal(p.levels[0], 0);
     }
@@ -133,7 +133,7 @@ TEST(values_visible_only_between_voxels_are_not_overlooked)
                        .max = 1};
     OWNED(iso_scene) file;
     ENDED_BY(destroy_scene) scene s = {0};
-    OWNED(iso_plan) p;
+    OWNED(iso_plan_errors) p;
     assert_ok(iso_scene_load("refscenes/shells.scene.json", &file, &err));
     file.width = file.height = 24;
     assert_ok(iso_node_levels_create(&s.nodes, &level, 16, 2, true, 0, &err));
@@ -143,7 +143,7 @@ TEST(values_visible_only_between_voxels_are_not_overlooked)
         const double value = (double)e / (double)(s.view.tf.count - 1);
         s.view.tf.entries[4 * e + 3] = fabs(value - 0.25) < 0.1 ? 1 : 0;
     }
-    assert_ok(iso_plan_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
+    assert_ok(iso_plan_errors_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
     const iso_brick_field f = {.nodes = &s.nodes, .levels = p.levels};
     OWNED(iso_image) full = render(&f, &s.view);
     p.levels[0] = 1;
@@ -156,10 +156,10 @@ TEST(values_visible_only_between_voxels_are_not_overlooked)
 TEST(plan_does_not_depend_on_threads)
 {
     ENDED_BY(destroy_scene) scene s;
-    OWNED(iso_plan) one, two;
+    OWNED(iso_plan_errors) one, two;
     make_scene(&s, ISO_FIELD_NOISE);
-    assert_ok(iso_plan_create(&one, &s.nodes, &s.view, 1, 1, NULL, &err));
-    assert_ok(iso_plan_create(&two, &s.nodes, &s.view, 1, 2, NULL, &err));
+    assert_ok(iso_plan_errors_create(&one, &s.nodes, &s.view, 1, 1, NULL, &err));
+    assert_ok(iso_plan_errors_create(&two, &s.nodes, &s.view, 1, 2, NULL, &err));
     iso_plan_choose(&one, &s.nodes, 0.01);
     iso_plan_choose(&two, &s.nodes, 0.01);
     assert_memory_equal(one.levels, two.levels, one.brick_count);
@@ -170,7 +170,7 @@ TEST(plan_does_not_depend_on_threads)
 TEST(bricks_behind_the_opaque_and_outside_the_view_are_left_out)
 {
     ENDED_BY(destroy_scene) scene s;
-    OWNED(iso_plan) p;
+    OWNED(iso_plan_errors) p;
     make_scene(&s, ISO_FIELD_CONSTANT);
     for (size_t i = 0; i < s.view.tf.count; ++i)
         s.view.tf.entries[4 * i + 3] = 5; /* per mm: nothing is seen beyond 2 mm */
@@ -178,7 +178,7 @@ TEST(bricks_behind_the_opaque_and_outside_the_view_are_left_out)
     s.view.camera.position = iso_v3(-100, 12, 0); /* looks at the half of larger y */
     s.view.camera.orthographic = true;
     s.view.camera.half_height = 8;
-    assert_ok(iso_plan_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
+    assert_ok(iso_plan_errors_create(&p, &s.nodes, &s.view, 1, 0, NULL, &err));
     for (size_t i = 0; i < p.brick_count; ++i) {
         size_t x = i % s.nodes.count[0], y = i / s.nodes.count[0] % s.nodes.count[1];
         size_t z = i / (s.nodes.count[0] * s.nodes.count[1]);

@@ -252,7 +252,7 @@ static iso_view view_of(const unsigned *n, const iso_geometry *g, float entries[
 }
 
 /* What a plan's levels cost, and the RMSE that its squares say of them. */
-static double predicted_of(const iso_plan *p, const iso_node_levels *n, size_t *nodes)
+static double predicted_of(const iso_plan_errors *p, const iso_node_levels *n, size_t *nodes)
 {
     double sum = 0;
     *nodes = 0;
@@ -267,7 +267,7 @@ static double predicted_of(const iso_plan *p, const iso_node_levels *n, size_t *
 }
 
 /* A larger error allowed: no larger model, no smaller prediction, never above what is allowed. */
-static const char *choices_fail(const unsigned *n, iso_plan *p, const iso_node_levels *nodes, bool coarser)
+static const char *choices_fail(const unsigned *n, iso_plan_errors *p, const iso_node_levels *nodes, bool coarser)
 {
     double allowed = 0, last = 0;
     size_t most = SIZE_MAX;
@@ -295,16 +295,16 @@ static const char *plan_fails_with(const unsigned *n, bool coarser)
     ENDED_BY(destroy_layout) layout l = layout_of(n);
     float entries[4 * ENTRIES];
     const iso_view view = view_of(n, &l.nodes.geometry, entries);
-    iso_plan plan;
+    iso_plan_errors plan;
     iso_error err = {""};
     const char *why = "there is no plan";
-    if (iso_plan_create(&plan, &l.nodes, &view, 1, 2, NULL, &err) == ISO_OK) {
+    if (iso_plan_errors_create(&plan, &l.nodes, &view, 1, 2, NULL, &err) == ISO_OK) {
         why = choices_fail(n, &plan, &l.nodes, coarser);
         for (size_t i = 0; i < plan.brick_count && !why; ++i)
             if (!(plan.footprints[i] >= 0 && plan.footprints[i] <= plan.pixel_count * (1 + 1e-6)) || /* float sums */
                 plan.squares[i * plan.level_count] != 0)
                 why = because("brick %g is seen by %g pixels", (double)i, (double)plan.footprints[i]);
-        iso_plan_destroy(&plan);
+        iso_plan_errors_destroy(&plan);
     }
     return why;
 }

@@ -106,7 +106,19 @@ class ExportOptions(ctypes.Structure):
     _fields_ = [("level", c_size_t), ("level_count", c_size_t), ("width", c_size_t), ("height", c_size_t),
                 ("tf", c_void_p), ("half_float", c_bool), ("threads", c_int), ("progress", PROGRESS),
                 ("progress_user", c_void_p), ("adapt", c_bool), ("extinction_scale", c_bool),
-                ("region", POINTER(Region)), ("reserved", c_void_p * 6)]
+                ("region", POINTER(Region)), ("plan", c_char_p), ("reserved", c_void_p * 5)]
+
+
+class PlanOptions(ctypes.Structure):
+    _fields_ = [("error", c_double), ("memory_bytes", c_double), ("levels", c_size_t), ("brick_voxels", c_size_t),
+                ("views", c_size_t), ("width", c_size_t), ("height", c_size_t), ("threads", c_int),
+                ("progress", PROGRESS), ("progress_user", c_void_p), ("reserved", c_void_p * 8)]
+
+
+class PlanResult(ctypes.Structure):
+    _fields_ = [("brick_count", c_size_t), ("drawn_count", c_size_t), ("bytes", c_double), ("full_bytes", c_double),
+                ("predicted_rmse", c_double), ("measured_rmse", c_double), ("blank_rmse", c_double), ("json", c_char_p),
+                ("reserved", c_void_p * 8)]
 
 
 class PageOptions(ctypes.Structure):
@@ -143,7 +155,7 @@ class ValidationResult(ctypes.Structure):
 STRUCTS = {"iso_error": ErrorText, "iso_grid": Grid, "iso_open_options": OpenOptions, "iso_build_options": BuildOptions,
            "iso_level_view": LevelView, "iso_tf_point": TfPoint, "iso_look_options": LookOptions,
            "iso_image": ImageStruct, "iso_metrics": MetricsStruct, "iso_region": Region,
-           "iso_frame_options": FrameOptions,
+           "iso_frame_options": FrameOptions, "iso_plan_options": PlanOptions, "iso_plan_result": PlanResult,
            "iso_export_options": ExportOptions, "iso_page_options": PageOptions, "iso_frame_request": FrameRequest,
            "iso_own_renderer": OwnRenderer, "iso_validate_options": ValidateOptions,
            "iso_validation_result": ValidationResult}
@@ -201,6 +213,9 @@ _FUNCTIONS = {
     "iso_metrics_measure": (None, [POINTER(ImageStruct), POINTER(ImageStruct), POINTER(MetricsStruct), _P]),
     "iso_frame_defaults": (FrameOptions, []),
     "iso_render": (None, [_P, _P, POINTER(FrameOptions), POINTER(ImageStruct), _P]),
+    "iso_plan_defaults": (PlanOptions, []),
+    "iso_plan": (None, [_P, _P, POINTER(PlanOptions), POINTER(PlanResult), _P]),
+    "iso_plan_result_destroy": (c_void_p, [POINTER(PlanResult)]),
     "iso_export_defaults": (ExportOptions, []),
     "iso_export": (None, [_P, _P, c_char_p, c_char_p, POINTER(ExportOptions), _P]),
     "iso_export_bytes": (None, [_P, _P, c_char_p, POINTER(ExportOptions), _P, _P, _P]),

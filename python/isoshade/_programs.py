@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Figures and plans, which the program `isoshade` makes."""
-import json
+"""Figures, which the program `isoshade` makes."""
 import os
 import pathlib
 import shutil
@@ -44,10 +43,3 @@ def figure(pyramid, scene, kind, form, options):
         _run("figure", pyramid, scene, ["--kind", kind, "--formats", form if form != "pdf" else "svg"] + options,
              pathlib.Path(name))
         return pathlib.Path(name, "made", f"figure.{form}").read_bytes()
-
-
-def plan(pyramid, scene, error, levels):
-    """Returns the JSON object of a plan."""
-    with tempfile.TemporaryDirectory() as name:
-        _run("plan", pyramid, scene, ["--error", repr(float(error)), "--levels", str(levels)], pathlib.Path(name))
-        return json.loads(pathlib.Path(name, "made").read_text())

@@ -2,6 +2,7 @@
 """Volumes and pyramids."""
 import ctypes
 import html
+import json
 import os
 from ctypes import POINTER, byref, c_double, c_size_t, c_ssize_t
 from typing import Callable, Optional, Sequence, Tuple, Union
@@ -251,19 +252,21 @@ class Pyramid(native.Handle):
 
     def export(self, path, *, to: Optional[str] = None, scene=None, tf=None, view: Optional[str] = None, size=None,
                level: int = 0, levels: int = 1, adapt: bool = False, extinction_scale: bool = False, roi=None,
-               half: bool = False, threads: int = 0, progress: Progress = None) -> Optional[bytes]:
+               plan: Optional[dict] = None, half: bool = False, threads: int = 0,
+               progress: Progress = None) -> Optional[bytes]:
         """Exports levels for another program. to: the target, by default by the name's ending (.vdb, .blend, .nvdb).
 
-        path None, with to="vdb" or "nanovdb": returns the file. extinction_scale, roi: as for render().
+        path None, with to="vdb" or "nanovdb": returns the file. extinction_scale, roi: as for render(). plan: of
+        plan(), for the same scene: only its bricks.
         """
         target = to or _TARGETS.get(os.path.splitext(os.fspath(path))[1] if path is not None else "")
         if not target:
             raise ValueError(f"{path}: no target has this ending; name one by to=: {', '.join(native.choices(7))}")
-        needs_scene = target not in ("vdb", "nanovdb") or extinction_scale
+        needs_scene = target not in ("vdb", "nanovdb") or extinction_scale or plan
         made = scene_for(self, scene, tf, view, 0, size) if needs_scene else None
         o = native.lib.iso_export_defaults()
         o.level, o.level_count, o.half_float, o.adapt, o.threads = level, levels, half, adapt, threads
-        o.extinction_scale = extinction_scale
+        o.extinction_scale, o.plan = extinction_scale, native.text(json.dumps(plan)) if plan else None
         _take_region(o, roi)
         if path is None:
             data, count = ctypes.c_void_p(), c_size_t()
@@ -273,11 +276,25 @@ class Pyramid(native.Handle):
         native.call_long("iso_export", self._pointer, made and made._pointer, native.text(target), native.text(path),
                          byref(o), options=o, progress=progress)
 
-    def plan(self, error: float = 1 / 255, *, scene=None, tf=None, view: Optional[str] = None, size=None,
-             levels: int = 4) -> dict:
-        """Plans the smallest model whose picture has at most this RMSE: the content of `isoshade plan -o`, which
-        `isoshade export --plan` takes. Runs the program isoshade."""
-        return _programs.plan(self, scene_for(self, scene, tf, view, 0, size), error, levels)
+    def plan(self, error: float = 1 / 255, *, memory: float = 0, scene=None, tf=None, view: Optional[str] = None,
+             size=None, levels: int = 4, brick: int = 16, views: int = 1, threads: int = 0,
+             progress: Progress = None) -> dict:
+        """Plans the smallest model whose picture has at most this RMSE, for export(plan=).
+
+        memory: limit in bytes, instead of the error. brick: voxels along a side. views: number, turned around the
+        scene's up axis. Returns the content of a plan file (doc/reference/files-chart.md), with "measured_rmse",
+        "bytes" and "full_bytes".
+        """
+        made = scene_for(self, scene, tf, view, 0, size)
+        o, result = native.lib.iso_plan_defaults(), native.PlanResult()
+        o.error, o.memory_bytes, o.levels, o.brick_voxels, o.views = error, memory, levels, brick, views
+        o.threads = threads
+        native.call_long("iso_plan", self._pointer, made._pointer, byref(o), byref(result), options=o,
+                         progress=progress)
+        try:
+            return json.loads(result.json)
+        finally:
+            native.lib.iso_plan_result_destroy(byref(result))
 
     def figure(self, kind: str = "levels", *, format: str = "pdf", scene=None, tf=None, view: Optional[str] = None,
                size=None, width: float = 178, dpi: float = 300, levels: int = 0,

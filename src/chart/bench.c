@@ -103,7 +103,7 @@ static void close_scene(iso_chart_scene *scene)
     for (size_t i = 0; i < ISO_CHART_MAX_LEVELS * ISO_CHART_TFS && scene->looks; ++i)
         iso_view_destroy(&scene->looks[i]);
     free(scene->looks);
-    iso_plan_destroy(&scene->plan);
+    iso_plan_errors_destroy(&scene->plan);
     iso_image_destroy(&scene->reference);
     iso_view_destroy(&scene->view);
     iso_scene_destroy(&scene->scene);
@@ -224,7 +224,8 @@ static iso_status need_plan(iso_chart_bench *b, const iso_chart_case *c, iso_err
         TRY(status, iso_node_levels_round(&b->nodes, b->threads, err));
     }
     const iso_progress silent = {0};
-    return status == ISO_OK ? iso_plan_create(&s->plan, &b->nodes, &s->view, 1, b->threads, &silent, err) : status;
+    return status == ISO_OK ? iso_plan_errors_create(&s->plan, &b->nodes, &s->view, 1, b->threads, &silent, err)
+                            : status;
 }
 
 /* ---- estimates -------------------------------------------------------------------- */

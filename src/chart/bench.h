@@ -37,7 +37,7 @@ typedef struct iso_chart_scene {
     iso_scene scene;
     iso_view view;
     iso_view *looks; /* of ISO_CHART_MAX_LEVELS levels under ISO_CHART_TFS transfer functions; empty: not made yet */
-    iso_plan plan;
+    iso_plan_errors plan;
     iso_image reference;
     double reference_tolerance, reference_seconds;
 } iso_chart_scene;

@@ -84,31 +84,12 @@ static iso_status update_from(const plan_arguments *a, const iso_planner *p, int
 
 static json_t *to_json(const iso_planner *p, const plan_arguments *a, const plan_update *u)
 {
-    size_t by_level[ISO_BRICK_MAX_LEVELS] = {0};
-    const iso_plan_trial *t = &p->best;
-    const double full_bytes = ISO_BYTES_A_NODE * (double)p->full_node_count;
-    json_t *counts = json_array();
-    for (size_t i = 0; i < p->plan.brick_count; ++i)
-        by_level[t->levels[i]] += t->drawn[i];
-    for (size_t l = 0; l < p->plan.level_count; ++l)
-        json_array_append_new(counts, json_integer((json_int_t)by_level[l]));
-    json_t *plan = json_pack(
-        "{s:f, s:i, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:f, s:f, s:i, s:o, s:[iii], s:i, s:i}", "error",
-        a->error, "views", (int)p->view_count, "predicted_rmse", t->predicted_rmse, "measured_rmse", t->measured.rmse,
-        "measured_max_abs", t->measured.max_abs, "measured_p99_abs", t->measured.p99_abs, "blank_rmse", p->blank_rmse,
-        "brick_count", (json_int_t)p->plan.brick_count, "shown_count", (json_int_t)t->drawn_count, "voxel_count",
-        (json_int_t)t->node_count, "bytes", iso_plan_trial_bytes(t), "full_bytes", full_bytes, "bytes_part",
-        iso_plan_trial_bytes(t) / full_bytes, "renders", p->render_count, "bricks_by_level", counts, "bricks",
-        (int)p->nodes->count[0], (int)p->nodes->count[1], (int)p->nodes->count[2], "brick_voxels",
-        (int)p->nodes->brick_voxels, "level_count", (int)p->nodes->level_count);
+    json_t *plan = iso_planner_json(p, a->error);
     if (a->update)
         json_object_set_new(plan, "update",
                             json_pack("{s:I, s:I, s:I, s:b}", "changed_count", (json_int_t)u->changed_count,
                                       "baked_count", (json_int_t)u->baked_count, "drawn_count",
                                       (json_int_t)u->drawn_count, "equals_from_nothing", u->equal));
-    json_t *bricks = iso_plan_file_bricks(t->levels, t->drawn, p->wanted, p->plan.brick_count);
-    json_object_update(plan, bricks);
-    json_decref(bricks);
     return plan;
 }
 
@@ -191,18 +172,6 @@ static void warn_of_views(const iso_cli *cli, const iso_pyramid *p, const iso_vi
         iso_cli_warn_view(cli, p, &views[i], NULL, &warned);
 }
 
-/* Refuses levels for a scene: a plan's bricks have nodes at other places, and one transfer function for all. */
-static iso_status refuse_optimized(const iso_pyramid *p, const char *path, iso_error *err)
-{
-    for (size_t k = 1; k < p->level_count; ++k)
-        if (p->levels[k].is_optimized)
-            return iso_fail(err, ISO_E_USAGE,
-                            "%s: level %zu is optimized for a scene, and a plan makes its bricks from level 0; plan the "
-                            "volume, or build without --for",
-                            path, k);
-    return ISO_OK;
-}
-
 static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *err)
 {
     const iso_cli_stage stages[] = {{"pyramid", 1}, {"plan", 3}, {"verify", 3}};
@@ -220,8 +189,7 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     TRY(status, iso_cli_look_take(&a->look, cli->threads, &look, err));
     TRY(status, iso_planner_check_views(&look, err));
     TRY(status, iso_subject_begin_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err));
-    TRY(status, iso_subject_refuse_labels(&pyramid, cli->arguments[0], "a plan", err));
-    TRY(status, refuse_optimized(&pyramid, cli->arguments[0], err));
+    TRY(status, iso_planner_check_pyramid(&pyramid, cli->arguments[0], err));
     TRY(status, iso_planner_load_views(&look, (size_t)a->views, &pyramid, &views, &view_count, err));
     if (status == ISO_OK)
         warn_of_views(cli, &pyramid, views, view_count);

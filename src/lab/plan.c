@@ -142,14 +142,8 @@ static iso_status make_plan(bench_state *s, iso_node_levels *nodes, const iso_pr
     const iso_planner_options opt = {s->views, 1, ISO_FACES_BAKED, s->bench->cli->threads};
     NEED(iso_planner_create(&s->planner, nodes, &opt, progress, err));
     NEED(iso_planner_search(&s->planner, s->bench->error, 0, progress, err));
-    const iso_plan_trial *t = &s->planner.best;
     char *path = iso_path_join(s->folder, "plan.json");
-    json_t *plan = json_pack("{s:s, s:[iii], s:i, s:i}", "schema", "isoshade.plan/1", "bricks", (int)nodes->count[0],
-                             (int)nodes->count[1], (int)nodes->count[2], "brick_voxels", (int)nodes->brick_voxels,
-                             "level_count", (int)nodes->level_count);
-    json_t *bricks = iso_plan_file_bricks(t->levels, t->drawn, s->planner.wanted, s->planner.plan.brick_count);
-    json_object_update(plan, bricks);
-    json_decref(bricks);
+    json_t *plan = iso_planner_json(&s->planner, s->bench->error);
     iso_status status = iso_json_save(path, plan, err);
     json_decref(plan);
     if (status == ISO_OK)

@@ -51,21 +51,46 @@ static iso_status check_levels(const iso_pyramid *p, const iso_export_options *o
 static iso_status check_options(const iso_export_target *t, const iso_scene *scene, const iso_export_options *o,
                                 iso_error *err)
 {
-    if (iso_export_takes(t, ISO_EXPORT_SCENE) && !scene)
+    const bool takes_scene = iso_export_takes(t, ISO_EXPORT_SCENE);
+    const struct {
+        bool given, taken;
+        const char *what;
+    } rules[] = {{o->half_float, iso_export_takes(t, ISO_EXPORT_HALF), "has no half floats"},
+                 {o->adapt, takes_scene && iso_export_takes(t, ISO_EXPORT_ADAPT), "adapts no transfer function"},
+                 {o->region, iso_export_takes(t, ISO_EXPORT_ROI), "has no region of interest"},
+                 {o->extinction_scale, iso_export_takes(t, ISO_EXPORT_EXTINCTION_SCALE), "has no extinction scale"},
+                 {o->plan, iso_export_takes(t, ISO_EXPORT_PLAN), "takes no plan"}};
+    if (takes_scene && !scene)
         return iso_fail(err, ISO_E_USAGE, "export to %s needs a scene", t->name);
     if (o->level_count > 1 && !iso_export_takes(t, ISO_EXPORT_LEVELS))
         return iso_fail(err, ISO_E_USAGE, "export to %s takes one level, not %zu", t->name, o->level_count);
-    if (o->half_float && !iso_export_takes(t, ISO_EXPORT_HALF))
-        return iso_fail(err, ISO_E_USAGE, "export to %s has no half floats", t->name);
-    if (o->adapt && !(iso_export_takes(t, ISO_EXPORT_SCENE) && iso_export_takes(t, ISO_EXPORT_ADAPT)))
-        return iso_fail(err, ISO_E_USAGE, "export to %s adapts no transfer function", t->name);
-    if (o->region && !iso_export_takes(t, ISO_EXPORT_ROI))
-        return iso_fail(err, ISO_E_USAGE, "export to %s has no region of interest", t->name);
-    if (o->extinction_scale && !iso_export_takes(t, ISO_EXPORT_EXTINCTION_SCALE))
-        return iso_fail(err, ISO_E_USAGE, "export to %s has no extinction scale", t->name);
-    if (o->extinction_scale && !scene)
-        return iso_fail(err, ISO_E_USAGE, "an extinction scale is made for a scene, and there is none");
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
+        if (rules[i].given && !rules[i].taken)
+            return iso_fail(err, ISO_E_USAGE, "export to %s %s", t->name, rules[i].what);
+    if ((o->extinction_scale || o->plan) && !scene)
+        return iso_fail(err, ISO_E_USAGE, "%s is made for a scene, and there is none",
+                        o->plan ? "a plan" : "an extinction scale");
+    if (o->plan && (o->level > 0 || o->level_count > 1 || o->adapt || o->extinction_scale || o->region))
+        return iso_fail(err, ISO_E_USAGE, "a plan fixes the levels: it excludes level, level_count, adapt, "
+                                          "extinction_scale and region");
     return ISO_OK;
+}
+
+/* Reduces the volume by the plan of the options, if there is one. */
+static iso_status make_planned(const iso_export_options *o, const iso_pyramid *p, const iso_view *view,
+                               iso_planned *planned, iso_error *err)
+{
+    json_t *root = NULL;
+    iso_plan_file plan = {0};
+    if (!o->plan)
+        return ISO_OK;
+    NEED(iso_json_of_text(o->plan, "the plan", &root, err));
+    iso_status status = iso_plan_file_from_json(root, "the plan", &plan, err);
+    TRY(status, iso_planned_create_of(&plan, "the plan",
+                                      &(iso_planned_subject){&p->levels[0], p->options.code, &view->tf, 1}, o->threads,
+                                      planned, err));
+    json_decref(root);
+    return status;
 }
 
 iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const char *target, const char *path,
@@ -75,6 +100,7 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
     const look l = {scene, &given};
     iso_call call;
     iso_view view = {0};
+    iso_planned planned = {0};
     size_t row = 0;
     NEED(iso_names_find(&iso_export_target_names, target, &row, err));
     const iso_export_target *t = iso_export_target_at(row);
@@ -83,6 +109,8 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
                                 .level_count = given.level_count,
                                 .output = path,
                                 .view = &view,
+                                .planned = given.plan ? &planned : NULL,
+                                .merged = true,
                                 .half_float = given.half_float,
                                 .is_shown = given.extinction_scale && iso_export_takes(t, ISO_EXPORT_SHOWN),
                                 .threads = given.threads,
@@ -92,9 +120,11 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
     iso_call_begin(&call, given.progress, given.progress_user);
     iso_status status = check_options(t, scene, &given, err);
     TRY(status, check_levels(pyramid, &given, err));
-    if (status == ISO_OK && (iso_export_takes(t, ISO_EXPORT_SCENE) || given.extinction_scale))
+    if (status == ISO_OK && (iso_export_takes(t, ISO_EXPORT_SCENE) || given.extinction_scale || given.plan))
         status = iso_scene_view(scene, pyramid, given.tf, given.width, given.height, &view, err);
+    TRY(status, make_planned(&given, pyramid, &view, &planned, err));
     TRY(status, t->write(&job, err));
+    iso_planned_destroy(&planned);
     iso_view_destroy(&view);
     return iso_call_end(&call, status, err);
 }

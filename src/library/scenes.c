@@ -169,19 +169,23 @@ static iso_status check_size(const char *what, size_t given, size_t *size, iso_e
     return ISO_OK;
 }
 
+iso_status iso_scene_borrow(const iso_scene *scene, const iso_tf *tf, size_t width, size_t height, iso_scene *copy,
+                            iso_error *err)
+{
+    *copy = *scene;
+    if (tf)
+        copy->tf = *tf;
+    NEED(check_size("width", width, &copy->width, err));
+    return check_size("height", height, &copy->height, err);
+}
+
 iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const iso_tf *tf, size_t width, size_t height,
                           iso_view *view, iso_error *err)
 {
-    iso_scene changed = *scene; /* borrows all that it points to */
-    const iso_level *level0 = &p->levels[0];
+    iso_scene shown;
     *view = (iso_view){0};
-    if (tf)
-        changed.tf = *tf;
-    iso_status status = check_size("width", width, &changed.width, err);
-    TRY(status, check_size("height", height, &changed.height, err));
-    return status == ISO_OK
-               ? iso_scene_resolve(&changed, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err)
-               : status;
+    NEED(iso_scene_borrow(scene, tf, width, height, &shown, err));
+    return iso_scene_resolve(&shown, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err);
 }
 
 iso_region iso_region_of(const double lo[3], const double hi[3])

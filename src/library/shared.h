@@ -23,6 +23,9 @@ iso_status iso_text_of_json(json_t *root, char **text, iso_error *err);
 /* Returns a new object in the form of a scene file, with the limits of its levels, without "suite". */
 json_t *iso_json_of_scene(const iso_scene *scene);
 
+/* Copies the scene, with the TF and image size of the options (NULL, 0: the scene's). The copy borrows all parts. */
+iso_status iso_scene_borrow(const iso_scene *scene, const iso_tf *tf, size_t width, size_t height, iso_scene *copy,
+                            iso_error *err);
 /* Resolves the scene for the pyramid, with the TF and image size of the options (NULL, 0: the scene's). */
 iso_status iso_scene_view(const iso_scene *scene, const iso_pyramid *p, const iso_tf *tf, size_t width, size_t height,
                           iso_view *view, iso_error *err);

@@ -16,7 +16,7 @@ typedef struct cache {
     const iso_node_levels *nodes;
     const iso_view *view;
     const iso_cached_options *opt;
-    iso_plan *plan;
+    iso_plan_errors *plan;
     uint8_t *visible; /* by TF and view */
 } cache;
 
@@ -146,8 +146,9 @@ static iso_status draw(cache *c, iso_image *image, iso_cached_report *r, iso_err
     return ISO_OK;
 }
 
-iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso_plan *plan, const iso_view *view,
-                                   const iso_cached_options *opt, iso_image *image, iso_error *err)
+iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso_plan_errors *plan,
+                                   const iso_view *view, const iso_cached_options *opt, iso_image *image,
+                                   iso_error *err)
 {
     cache c = {.gl = gl, .nodes = nodes, .view = view, .opt = opt, .plan = plan, .visible = malloc(plan->brick_count)};
     iso_cached_report report = {0};
@@ -165,15 +166,15 @@ iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view
                              iso_image *image, const iso_progress *progress, iso_error *err)
 {
     iso_node_levels nodes = {0};
-    iso_plan plan = {0};
+    iso_plan_errors plan = {0};
     if (opt->report)
         *opt->report = (iso_cached_report){0};
     *image = (iso_image){0};
     iso_status status = iso_node_levels_begin(&nodes, level0, opt->brick_voxels, opt->level_count, opt->threads, err);
     TRY(status, iso_node_levels_complete(&nodes, opt->threads, err));
-    TRY(status, iso_plan_create(&plan, &nodes, view, 1, opt->threads, progress, err));
+    TRY(status, iso_plan_errors_create(&plan, &nodes, view, 1, opt->threads, progress, err));
     TRY(status, iso_cached_render_nodes(gl, &nodes, &plan, view, opt, image, err));
-    iso_plan_destroy(&plan);
+    iso_plan_errors_destroy(&plan);
     iso_node_levels_destroy(&nodes);
     return status;
 }

@@ -34,5 +34,6 @@ iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view
 
 /* Does the same with the caller's rounded nodes and plan of this view, which replace the options for bricks and
  * levels. */
-iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso_plan *plan, const iso_view *view,
-                                   const iso_cached_options *opt, iso_image *image, iso_error *err);
+iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso_plan_errors *plan,
+                                   const iso_view *view, const iso_cached_options *opt, iso_image *image,
+                                   iso_error *err);

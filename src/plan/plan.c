@@ -272,7 +272,7 @@ static void trace(const iso_node_levels *n, const iso_view *view, const iso_ray 
 
 /* Sends rays through every `stride`-th pixel, so that the smallest brick meets several. A brick counts stride^2 pixels
  * per ray through it. */
-static iso_status find_footprints(const iso_plan *plan, const iso_node_levels *n, const iso_view *view,
+static iso_status find_footprints(const iso_plan_errors *plan, const iso_node_levels *n, const iso_view *view,
                                   const uint8_t *shown, int threads, float *footprints, iso_error *err)
 {
     size_t larger = view->width > view->height ? view->width : view->height, stride = (larger + 255) / 256;
@@ -301,8 +301,8 @@ static iso_status find_footprints(const iso_plan *plan, const iso_node_levels *n
 }
 
 /* Adds the errors of the bricks that a view sees. */
-static iso_status add_errors_of_view(iso_plan *plan, const estimator *e, const float *footprints, const uint8_t *shown,
-                                     int threads, iso_error *err)
+static iso_status add_errors_of_view(iso_plan_errors *plan, const estimator *e, const float *footprints,
+                                     const uint8_t *shown, int threads, iso_error *err)
 {
     const size_t side = e->nodes->brick_voxels + 3, levels = plan->level_count;
     bool failed = false;
@@ -326,7 +326,7 @@ static iso_status add_errors_of_view(iso_plan *plan, const estimator *e, const f
 }
 
 /* Adds what one view sees. */
-static iso_status add_view(iso_plan *plan, const iso_node_levels *n, const iso_view *view, uint8_t *shown,
+static iso_status add_view(iso_plan_errors *plan, const iso_node_levels *n, const iso_view *view, uint8_t *shown,
                            float *footprints, int threads, iso_error *err)
 {
     const iso_brick_field finest = {.nodes = n, .levels = plan->levels, .faces = ISO_FACES_OWN};
@@ -342,11 +342,11 @@ static iso_status add_view(iso_plan *plan, const iso_node_levels *n, const iso_v
     return status;
 }
 
-iso_status iso_plan_create(iso_plan *plan, const iso_node_levels *n, const iso_view *views, size_t view_count,
-                           int threads, const iso_progress *progress, iso_error *err)
+iso_status iso_plan_errors_create(iso_plan_errors *plan, const iso_node_levels *n, const iso_view *views,
+                                  size_t view_count, int threads, const iso_progress *progress, iso_error *err)
 {
     size_t count = iso_brick_count(n);
-    *plan = (iso_plan){.brick_count = count, .level_count = n->level_count};
+    *plan = (iso_plan_errors){.brick_count = count, .level_count = n->level_count};
     plan->squares = calloc(count * n->level_count, sizeof *plan->squares);
     plan->footprints = calloc(count, sizeof *plan->footprints);
     plan->levels = calloc(count, 1);
@@ -364,11 +364,11 @@ iso_status iso_plan_create(iso_plan *plan, const iso_node_levels *n, const iso_v
     free(shown);
     free(footprints);
     if (status != ISO_OK)
-        iso_plan_destroy(plan);
+        iso_plan_errors_destroy(plan);
     return status;
 }
 
-void iso_plan_destroy(iso_plan *plan)
+void iso_plan_errors_destroy(iso_plan_errors *plan)
 {
     if (!plan)
         return;
@@ -376,13 +376,13 @@ void iso_plan_destroy(iso_plan *plan)
     free(plan->footprints);
     free(plan->levels);
     free(plan->shown);
-    *plan = (iso_plan){0};
+    *plan = (iso_plan_errors){0};
 }
 
 /* ---- choice ------------------------------------------------------------------- */
 
 /* Chooses the levels for one lambda; returns the predicted RMSE. */
-static double choose_for(iso_plan *plan, const iso_node_levels *n, double lambda)
+static double choose_for(iso_plan_errors *plan, const iso_node_levels *n, double lambda)
 {
     double sum = 0;
     for (size_t i = 0; i < plan->brick_count; ++i) {
@@ -404,7 +404,7 @@ static double choose_for(iso_plan *plan, const iso_node_levels *n, double lambda
     return sqrt(sum / plan->pixel_count);
 }
 
-double iso_plan_choose(iso_plan *plan, const iso_node_levels *n, double rmse)
+double iso_plan_choose(iso_plan_errors *plan, const iso_node_levels *n, double rmse)
 {
     /* The prediction falls as lambda rises; lambda in decades, to a thousandth of one. */
     double low = -12, high = 24;

@@ -24,19 +24,19 @@
 /* A ray's transmittance below which it sees nothing any more. */
 #define ISO_PLAN_HIDDEN 1e-3
 
-typedef struct iso_plan {
+typedef struct iso_plan_errors {
     size_t brick_count, level_count;
     float *squares;     /* owned; brick_count * level_count: sum over views of footprint * error^2, in pixels */
     float *footprints;  /* owned; pixels of all views, 0 for a brick that none sees */
     uint8_t *shown;     /* owned; by the TF of a view that sees it, at level 0 */
     uint8_t *levels;    /* owned; what iso_plan_choose() chose */
     double pixel_count; /* of all views */
-} iso_plan;
+} iso_plan_errors;
 
 /* Estimates errors and footprints; every brick starts at level 0. ISO_E_MEMORY. */
-iso_status iso_plan_create(iso_plan *plan, const iso_node_levels *n, const iso_view *views, size_t view_count,
-                           int threads, const iso_progress *progress, iso_error *err);
-void iso_plan_destroy(iso_plan *plan); /* accepts empty and NULL */
+iso_status iso_plan_errors_create(iso_plan_errors *plan, const iso_node_levels *n, const iso_view *views,
+                                  size_t view_count, int threads, const iso_progress *progress, iso_error *err);
+void iso_plan_errors_destroy(iso_plan_errors *plan); /* accepts empty and NULL */
 
 /* Chooses the levels for a predicted RMSE of at most `rmse`, and returns the prediction. */
-double iso_plan_choose(iso_plan *plan, const iso_node_levels *n, double rmse);
+double iso_plan_choose(iso_plan_errors *plan, const iso_node_levels *n, double rmse);

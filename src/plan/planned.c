@@ -53,11 +53,19 @@ json_t *iso_plan_file_bricks(const uint8_t *levels, const uint8_t *drawn, const 
 iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *err)
 {
     json_t *root = NULL;
-    const char *levels, *use;
-    double count[3] = {0};
     *plan = (iso_plan_file){0};
     NEED(iso_inputs_note(path, err));
     NEED(iso_json_load(path, &root, err));
+    const iso_status status = iso_plan_file_from_json(root, path, plan, err);
+    json_decref(root);
+    return status;
+}
+
+iso_status iso_plan_file_from_json(const json_t *root, const char *path, iso_plan_file *plan, iso_error *err)
+{
+    const char *levels, *use;
+    double count[3] = {0};
+    *plan = (iso_plan_file){0};
     iso_json_reader r = {.path = path, .err = err};
     static const char *const schemas[] = {"isoshade.plan/1", NULL};
     int schema;
@@ -70,7 +78,6 @@ iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *
     for (int a = 0; a < 3; ++a)
         plan->count[a] = (size_t)count[a];
     iso_status status = r.status == ISO_OK ? read_bricks(path, levels, use, plan, err) : r.status;
-    json_decref(root);
     if (status != ISO_OK)
         iso_plan_file_destroy(plan);
     return status;
@@ -146,10 +153,19 @@ static iso_status check_bricks(const char *path, const iso_plan_file *plan, cons
 iso_status iso_planned_create(const char *path, const iso_planned_subject *subject, int threads, iso_planned *p,
                               iso_error *err)
 {
+    iso_plan_file plan;
+    *p = (iso_planned){0};
+    NEED(iso_plan_file_load(path, &plan, err));
+    return iso_planned_create_of(&plan, path, subject, threads, p, err);
+}
+
+iso_status iso_planned_create_of(iso_plan_file *plan, const char *path, const iso_planned_subject *subject, int threads,
+                                 iso_planned *p, iso_error *err)
+{
     double start = iso_clock_seconds();
-    *p = (iso_planned){.tfs = subject->tfs, .tf_count = subject->tf_count};
-    iso_status status = iso_plan_file_load(path, &p->plan, err);
-    TRY(status, check_bricks(path, &p->plan, &subject->level0->geometry, err));
+    *p = (iso_planned){.plan = *plan, .tfs = subject->tfs, .tf_count = subject->tf_count};
+    *plan = (iso_plan_file){0};
+    iso_status status = check_bricks(path, &p->plan, &subject->level0->geometry, err);
     if (status == ISO_OK) {
         const iso_node_options opt = {p->plan.brick_voxels, p->plan.level_count, ISO_NODES_SHARP, true, threads};
         status = iso_node_levels_create_for(&p->nodes, subject->level0, p->plan.levels, &subject->code, &opt, err);

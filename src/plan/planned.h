@@ -20,6 +20,8 @@ typedef struct iso_plan_file {
 } iso_plan_file;
 
 iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *err);
+/* Reads the object of such a file, which is `name` in messages. */
+iso_status iso_plan_file_from_json(const json_t *root, const char *name, iso_plan_file *plan, iso_error *err);
 /* Returns an object with "levels" and "use"; NULL: no memory. */
 json_t *iso_plan_file_bricks(const uint8_t *levels, const uint8_t *drawn, const uint8_t *seen, size_t count);
 void iso_plan_file_destroy(iso_plan_file *plan); /* accepts empty and NULL */
@@ -43,6 +45,9 @@ typedef struct iso_planned_subject {
 /* Reduces the volume by the plan. ISO_E_RANGE: it was made for another volume or for other transfer functions. */
 iso_status iso_planned_create(const char *path, const iso_planned_subject *subject, int threads, iso_planned *p,
                               iso_error *err);
+/* Does the same with a plan that is loaded, which it takes over in any case. */
+iso_status iso_planned_create_of(iso_plan_file *plan, const char *name, const iso_planned_subject *subject, int threads,
+                                 iso_planned *p, iso_error *err);
 void iso_planned_destroy(iso_planned *p);
 
 typedef struct iso_planned_lattices {

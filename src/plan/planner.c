@@ -28,23 +28,40 @@ static void turn_scene(iso_scene *s, double angle)
                                      turned(iso_sub(s->camera_position, s->camera_look_at), up, angle));
 }
 
+iso_status iso_planner_add_views(const iso_scene *scene, size_t turns, const iso_pyramid *p, iso_view *views,
+                                 size_t *count, iso_error *err)
+{
+    const iso_level *level0 = &p->levels[0];
+    for (size_t i = 0; i < turns; ++i) {
+        iso_scene side = *scene; /* copies pointers, whose targets stay the first one's */
+        turn_scene(&side, 2 * acos(-1) * (double)i / (double)turns);
+        NEED(iso_scene_resolve(&side, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &views[*count], err));
+        ++*count;
+    }
+    return ISO_OK;
+}
+
 static iso_status load_scene_views(const iso_subject_look *look, size_t turns, const iso_pyramid *p, iso_view *views,
                                    size_t *count, iso_error *err)
 {
-    const iso_level *level0 = &p->levels[0];
-    iso_scene made, scene;
-    iso_status status = iso_subject_make_scene(look, p, &made, err);
-    if (status != ISO_OK)
-        return status;
-    for (size_t i = 0; i < turns && status == ISO_OK; ++i) {
-        scene = made; /* copies pointers, whose targets stay the first one's */
-        turn_scene(&scene, 2 * acos(-1) * (double)i / (double)turns);
-        status = iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &views[*count],
-                                   err);
-        *count += status == ISO_OK;
-    }
-    iso_scene_destroy(&made);
+    iso_scene scene;
+    NEED(iso_subject_make_scene(look, p, &scene, err));
+    const iso_status status = iso_planner_add_views(&scene, turns, p, views, count, err);
+    iso_scene_destroy(&scene);
     return status;
+}
+
+iso_status iso_planner_check_pyramid(const iso_pyramid *p, const char *path, iso_error *err)
+{
+    NEED(iso_subject_refuse_labels(p, path, "a plan", err));
+    for (size_t k = 1; k < p->level_count; ++k)
+        if (p->levels[k].is_optimized)
+            return iso_fail(
+                err, ISO_E_USAGE,
+                "%s: level %zu is optimized for a scene, and a plan makes its bricks from level 0; plan the "
+                "volume, or build without --for",
+                path, k);
+    return ISO_OK;
 }
 
 /* Returns the number of names between commas; 1 for a look without a scene. */
@@ -157,7 +174,7 @@ iso_status iso_planner_create(iso_planner *p, iso_node_levels *nodes, const iso_
         TRY(status, measure_blank(&p->full[v], &views[v], &p->blank_rmse, err));
     }
     TRY(status, iso_node_levels_complete(nodes, opt->threads, err));
-    TRY(status, iso_plan_create(&p->plan, nodes, views, view_count, opt->threads, progress, err));
+    TRY(status, iso_plan_errors_create(&p->plan, nodes, views, view_count, opt->threads, progress, err));
     for (size_t i = 0; status == ISO_OK && i < count; ++i)
         p->wanted[i] = p->plan.footprints[i] > 0;
     if (status != ISO_OK)
@@ -180,7 +197,7 @@ void iso_planner_destroy(iso_planner *p)
         iso_image_destroy(&p->full[v]);
     free(p->full);
     free(p->wanted);
-    iso_plan_destroy(&p->plan);
+    iso_plan_errors_destroy(&p->plan);
     iso_gl_destroy(p->gl);
     *p = (iso_planner){0};
 }
@@ -261,8 +278,8 @@ static iso_status try_finest(iso_planner *p, double error, iso_plan_trial *t, is
         status = try_levels(p, 0, INFINITY, t, err);
     }
     if (status == ISO_OK && !(t->measured.rmse <= error))
-        status = iso_fail(err, ISO_E_RANGE, "--error is %g; all bricks at level 0 are off by %g: allow more", error,
-                          t->measured.rmse);
+        status = iso_fail(err, ISO_E_RANGE, "the RMSE may be %g, but is %g with all bricks at level 0; allow more",
+                          error, t->measured.rmse);
     return status;
 }
 
@@ -291,6 +308,7 @@ iso_status iso_planner_search(iso_planner *p, double error, double memory, const
     for (int i = 0; i < steps; ++i) {
         double middle = 0.5 * (low + high);
         iso_plan_trial t;
+        NEED(iso_progress_check(progress, err));
         iso_status status = try_rmse(p, pow(10, middle), memory > 0 ? INFINITY : error, &t, err);
         if (status != ISO_OK)
             return status;
@@ -312,7 +330,38 @@ iso_status iso_planner_search(iso_planner *p, double error, double memory, const
         return ISO_OK;
     if (memory > 0)
         return iso_fail(err, ISO_E_RANGE,
-                        "--memory is %g bytes; the coarsest plan that shows anything needs %g: allow more levels",
+                        "the bricks may have %g bytes, but the coarsest plan that shows anything needs %g; allow more "
+                        "levels",
                         memory, least);
     return try_finest(p, error, &p->best, err);
+}
+
+/* ---- the result ------------------------------------------------------------------ */
+
+json_t *iso_planner_json(const iso_planner *p, double error)
+{
+    size_t by_level[ISO_BRICK_MAX_LEVELS] = {0};
+    const iso_plan_trial *t = &p->best;
+    const double full_bytes = ISO_BYTES_A_NODE * (double)p->full_node_count;
+    json_t *counts = json_array();
+    for (size_t i = 0; i < p->plan.brick_count; ++i)
+        by_level[t->levels[i]] += t->drawn[i];
+    for (size_t l = 0; l < p->plan.level_count; ++l)
+        json_array_append_new(counts, json_integer((json_int_t)by_level[l]));
+    json_t *plan = json_pack(
+        "{s:s, s:f, s:i, s:f, s:f, s:f, s:f, s:f, s:I, s:I, s:I, s:f, s:f, s:f, s:i, s:o, s:[iii], s:i, s:i}", "schema",
+        "isoshade.plan/1", "error", error, "views", (int)p->view_count, "predicted_rmse", t->predicted_rmse,
+        "measured_rmse", t->measured.rmse, "measured_max_abs", t->measured.max_abs, "measured_p99_abs",
+        t->measured.p99_abs, "blank_rmse", p->blank_rmse, "brick_count", (json_int_t)p->plan.brick_count, "shown_count",
+        (json_int_t)t->drawn_count, "voxel_count", (json_int_t)t->node_count, "bytes", iso_plan_trial_bytes(t),
+        "full_bytes", full_bytes, "bytes_part", iso_plan_trial_bytes(t) / full_bytes, "renders", p->render_count,
+        "bricks_by_level", counts, "bricks", (int)p->nodes->count[0], (int)p->nodes->count[1], (int)p->nodes->count[2],
+        "brick_voxels", (int)p->nodes->brick_voxels, "level_count", (int)p->nodes->level_count);
+    json_t *bricks = iso_plan_file_bricks(t->levels, t->drawn, p->wanted, p->plan.brick_count);
+    const bool complete = plan && bricks && json_object_update(plan, bricks) == 0;
+    json_decref(bricks);
+    if (complete)
+        return plan;
+    json_decref(plan);
+    return NULL;
 }

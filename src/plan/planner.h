@@ -26,7 +26,7 @@ typedef struct iso_planner {
     const iso_view *views;
     size_t view_count;
     iso_brick_faces faces;
-    iso_plan plan;
+    iso_plan_errors plan;
     uint8_t *wanted;   /* bricks that a view sees */
     iso_image *full;   /* a view each, all bricks at level 0 */
     double blank_rmse; /* RMSE of the background alone, in the view with the least */
@@ -52,6 +52,9 @@ iso_status iso_planner_search(iso_planner *p, double error, double memory, const
                               iso_error *err);
 void iso_planner_destroy(iso_planner *p); /* accepts empty */
 
+/* Returns the plan as the object of a plan file (plan/planned.h), with the figures of the model; NULL: no memory. */
+json_t *iso_planner_json(const iso_planner *p, double error);
+
 /* Renders the planner's nodes at any levels, only the wanted bricks (NULL: all). */
 iso_status iso_planner_draw(const iso_planner *p, const uint8_t *levels, const uint8_t *wanted, const iso_view *view,
                             iso_image *image, iso_error *err);
@@ -61,6 +64,12 @@ static inline double iso_plan_trial_bytes(const iso_plan_trial *t)
     return ISO_BYTES_A_NODE * (double)t->node_count;
 }
 
+/* Refuses a label map, and levels for a scene: a plan's bricks have nodes at other places, and one transfer function
+ * for all. ISO_E_USAGE. path: name in messages. */
+iso_status iso_planner_check_pyramid(const iso_pyramid *p, const char *path, iso_error *err);
+/* Appends the views of a scene from `turns` sides to those that are there. */
+iso_status iso_planner_add_views(const iso_scene *scene, size_t turns, const iso_pyramid *p, iso_view *views,
+                                 size_t *count, iso_error *err);
 /* Loads the views of a look whose scene may be several, "A.scene.json,B.scene.json", each from `turns` sides: turned
  * round its "up" by 360 / turns degrees. *views is released with iso_planner_destroy_views(). */
 iso_status iso_planner_load_views(const iso_subject_look *look, size_t turns, const iso_pyramid *p, iso_view **views,
