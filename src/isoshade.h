@@ -430,7 +430,7 @@ iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const 
 typedef struct iso_plan_options {
     double error;                   /* largest RMSE of each picture, 1e-6 to 1 */
     double memory_bytes;            /* instead: limit of all bricks; 0: none */
-    size_t levels;                  /* with level 0, 1 to 7 */
+    size_t levels;                  /* with level 0, 1 to log2(brick_voxels) + 1 */
     size_t brick_voxels;            /* along a side, a power of two, 2 to 64 */
     size_t views;                   /* 1 to 360: the scene's, and others turned around its up axis by equal angles */
     size_t width, height;           /* 0: the scene's */

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # The library as others use it: its header alone, in C and C++; what it exports; the tutorial, built against the installed
-# header and library, shared and static.
+# header and library, shared and static; programs in C, C++17 and by ctypes that call each function.
 . "$(dirname "$0")/lib.sh"
 header=$top/src/isoshade.h
 prefix=$dir/installed
@@ -72,51 +72,24 @@ END
 check missing_links gcc $warnings missing.c -o missing $(pkg-config --cflags --libs isoshade)
 expect errors_are_codes 0 env LD_LIBRARY_PATH="$prefix/lib" ./missing
 [ -s out ] || [ -s err ] && not_ok nothing_is_printed "$(cat out err)" || ok nothing_is_printed
-# A program in C++17 has its renderer judged, by the program that is installed next to the library: black pictures fail.
-cat >judge.cc <<'END'
-#include <isoshade.h>
-#include <cstring>
-#include <vector>
-static bool draw(void *user, const iso_frame_request *request, float *)
-{
-    ++*static_cast<int *>(user);
-    return request->values && request->width > 0 && request->step_mm > 0 && std::strstr(request->json, "camera");
-}
-int main()
-{
-    int drawn = 0;
-    const size_t size[3] = {9, 8, 7};
-    const double spacing_mm[3] = {1, 1, 1};
-    const ptrdiff_t strides[3] = {1, 9, 72};
-    std::vector<unsigned char> samples(9 * 8 * 7);
-    samples[4 + 9 * (4 + 8 * 3)] = 255;
-    const iso_grid grid = iso_grid_axis_aligned(size, spacing_mm);
-    iso_volume *volume = nullptr;
-    iso_error error{};
-    const iso_own_renderer own{"black", draw, &drawn};
-    iso_validate_options options = iso_validate_defaults();
-    options.renderers = &own;
-    options.renderer_count = 1;
-    options.width = options.height = 12;
-    iso_validation_result result;
-    if (iso_volume_from_array(&grid, "uint8", samples.data(), strides, &volume, &error) != ISO_OK)
-        return 2;
-    const iso_status status = iso_validate(volume, &options, &result, &error);
-    const bool good = status == ISO_OK && !result.agrees && result.summary[0] && std::strstr(result.json, "black") &&
-                      std::strstr(result.html, "<html");
-    iso_validation_result_destroy(&result);
-    iso_volume_free(volume);
-    return good && drawn >= 8 ? 0 : 1;
-}
-END
-# Programs in C and C++ call each function.
-uncalled() { comm -23 <(declared "$1") <(grep -ohE '\biso_[a-z0-9_]+' "$top/tests/test_library.c" judge.cc | sort -u); }
-each_is_called() { [ -z "$(uncalled "$1")" ] || { uncalled "$1"; return 1; }; }
-check each_function_is_called each_is_called "$header"
+
+# ---- programs in C, in C++17 and by ctypes that call each function ----
+whole=$top/tests/whole_library
+check whole_links_as_c99 gcc -std=c99 $warnings "$whole.c" -o whole-c $(pkg-config --cflags --libs isoshade)
+check whole_links_as_cplusplus17 g++ -std=c++17 $warnings -x c++ "$whole.c" -x none -o whole-c++ $(pkg-config --cflags --libs isoshade)
+python_with numpy
+ran=(env -u ISOSHADE_ISOSHADE LD_LIBRARY_PATH="$prefix/lib" ISOSHADE_LIBRARY="$prefix/lib/libisoshade.so" PYTHONDONTWRITEBYTECODE=1)
+for program in ./whole-c ./whole-c++ "$python $whole.py"; do
+    expect "it_runs_${program##*[-.]}" 0 "${ran[@]}" $program
+done
+uncalled() { comm -23 <(declared "$1") <(grep -ohE '\biso_[a-z0-9_]+' "$2" | sort -u); } # HEADER PROGRAM
+each_is_called() { [ -z "$(uncalled "$@")" ] || { uncalled "$@"; return 1; }; }
 sed 's/^const char \*iso_version(void);/&\nint iso_planted(void);/' "$header" >planted/isoshade.h
-notice a_function_that_nobody_calls_is_found each_is_called "$dir/planted/isoshade.h"
-check judge_links g++ -std=c++17 $warnings judge.cc -o judge $(pkg-config --cflags --libs isoshade)
-expect renderers_of_a_program_are_judged 0 env -u ISOSHADE_ISOSHADE LD_LIBRARY_PATH="$prefix/lib" ./judge
+for program in "$whole.c" "$whole.py"; do
+    check "each_function_is_called_by_${program##*.}" each_is_called "$header" "$program"
+    notice "a_function_that_${program##*.}_lacks_is_found" each_is_called "$dir/planted/isoshade.h" "$program"
+done
+
 nm "$prefix/lib/libisoshade.a" 2>/dev/null | awk '$2 ~ /^[TDBR]$/ { print $3 }' | sort -u >visible
 [ "$(cat visible)" = "$(exported)" ] && ok internal_names_are_hidden || not_ok internal_names_are_hidden "$(wc -l <visible) names"
 exit $failed
