@@ -81,6 +81,16 @@ class Volumes(unittest.TestCase):
         self.assertEqual(pickle.loads(pickle.dumps(caught.exception)).status, iso.Status.RANGE)
         with self.assertRaisesRegex(iso.Error, "2\\^53"):
             iso.Volume(np.array([[[0, 2**53 + 1]]]))
+        for array in np.zeros((2, 2, 2), complex), np.array([[["a"]]]), np.zeros((2, 2, 2), "M8[s]"):
+            with self.assertRaisesRegex(TypeError, "must be bool, or integers or floats"):
+                iso.Volume(array)
+        for spacing in -1, (1, 1), (1, 1, 0), (1, 1, np.nan), np.ones((3, 3)):
+            with self.assertRaisesRegex(ValueError, "one or three lengths"):
+                iso.Volume(ball(), spacing=spacing)
+        self.assertEqual(iso.Volume(ball(), spacing=np.array((1, 2, 3))).spacing, (1, 2, 3))
+        self.assertEqual(iso.Volume(ball(), spacing=2).spacing, (2, 2, 2))
+        with self.assertRaisesRegex(ValueError, "as .nrrd"):
+            iso.Volume(ball()).save("ball.nii")
         with self.assertRaises(iso.Error) as caught:
             iso.open("no such file")
         self.assertEqual(caught.exception.status, iso.Status.IO)
@@ -96,6 +106,11 @@ class Volumes(unittest.TestCase):
                 coarse = one.build(levels=2)[1].values
                 np.testing.assert_array_equal(coarse[0], 2)  # of the children that have data
                 np.testing.assert_array_equal(coarse[1], 3.5)
+
+    def test_masked_samples_are_no_data(self):
+        array = np.ma.masked_equal(np.arange(24, dtype=np.uint8).reshape(2, 3, 4), 5)
+        np.testing.assert_array_equal(iso.Volume(array).array == -2.0**100, array.mask)
+        np.testing.assert_array_equal(iso.Volume(array[1:]).array, array.data[1:])
 
     def test_files(self):
         iso.Volume(ball(), spacing=(1, 2, 3)).save("ball.nrrd")
@@ -123,7 +138,7 @@ SCALARS v float 1
 LOOKUP_TABLE default
 0 0 0 0 1 1 1 1 3 3 3 3
 """)
-        with self.assertRaisesRegex(iso.Error, "--resample"):
+        with self.assertRaisesRegex(iso.Error, "[^-]resample"):  # as the argument is called
             iso.open("uneven.vtk")
         with self.assertWarnsRegex(UserWarning, "2 x 2 x 4 samples are interpolated of 2 x 2 x 3"):
             resampled = iso.open("uneven.vtk", resample=True).array
@@ -143,6 +158,28 @@ LOOKUP_TABLE default
         self.assertEqual(pickle.loads(pickle.dumps(tf)).points, tf.points)
         self.assertEqual(pickle.loads(pickle.dumps(SLAB_SCENE)).to_dict(), SLAB_SCENE.to_dict())
 
+    def test_coordinates_are_the_place(self):
+        class DataArray:
+            """The part of an xarray.DataArray that is read."""
+
+            def __init__(self, array, dims, coords):
+                self.array, self.dims, self.coords, self.shape = array, dims, coords, array.shape
+
+            def __array__(self, dtype=None, copy=None):
+                return self.array
+
+            def transpose(self, *dims):
+                return DataArray(self.array.transpose([self.dims.index(d) for d in dims]), dims, self.coords)
+
+        a = np.arange(24.0).reshape(2, 3, 4)
+        coords = {"z": [10, 12.5], "y": [3, 2, 1], "x": [0.5, 1.5, 2.5, 3.5]}
+        for one in DataArray(a, ("z", "y", "x"), coords), DataArray(a.T, ("x", "y", "z"), coords):
+            v = iso.Volume(one)
+            np.testing.assert_array_equal(v.array, a)
+            np.testing.assert_array_equal(v.index_to_world, [[1, 0, 0, 0], [0, -1, 0, 3.5], [0, 0, 2.5, 8.75]])
+        with self.assertRaisesRegex(ValueError, "along x are not even, 1 to 2 apart"):
+            iso.Volume(DataArray(a, ("z", "y", "x"), {**coords, "x": [0, 1, 2, 4]}))
+
     def test_xarray(self):
         try:
             import xarray  # noqa: F401
@@ -150,7 +187,7 @@ LOOKUP_TABLE default
             self.skipTest("xarray is not installed")
         a = iso.Volume(ball(), spacing=(1, 2, 0.5)).to_xarray()
         np.testing.assert_array_equal(a.coords["y"], 2 * (np.arange(24) + 0.5) - 24)
-        np.testing.assert_allclose(iso.Volume(a).spacing, (1, 2, 0.5))
+        np.testing.assert_allclose(iso.Volume(a).index_to_world, iso.Volume(ball(), spacing=(1, 2, 0.5)).index_to_world)
 
 
 class Pyramids(unittest.TestCase):
@@ -165,7 +202,12 @@ class Pyramids(unittest.TestCase):
         self.assertGreater(length.max(), 0.9)
         with self.assertRaises(IndexError):
             p[3]
+        with self.assertRaises(TypeError):
+            p[0:2]
+        self.assertEqual(repr(p[1]), "Level 1 of 14 x 12 x 10 voxels")
         p.save("ball.iso")
+        with self.assertRaisesRegex(ValueError, "no options"):
+            iso.open("ball.iso", spacing=2)
         np.testing.assert_array_equal(iso.open("ball.iso")[-1].values, p[2].values)
 
     def test_a_slab_has_its_closed_form(self):
@@ -189,9 +231,29 @@ class Pyramids(unittest.TestCase):
             scene["lamp"] = 1
         scene.save("a.scene.json")
         self.assertEqual(iso.Scene.open("a.scene.json").to_dict(), scene.to_dict())
+        self.assertEqual(p.render(scene=scene.to_dict(), size=(8, 6)).shape, (6, 8, 4))
+        with self.assertRaisesRegex(ValueError, r"must be \(value, \(r, g, b\), opacity\)"):
+            iso.Tf([(0, 0), (1, 1)])
         self.assertGreaterEqual(len(p.suggest().points), 2)
         with self.assertRaises(iso.Error):
             p.render(tf="no-such-preset")
+
+    def test_wrong_arguments_are_refused(self):
+        p = slab().build(2)
+        for call, kind, words in (
+                (lambda: slab().build(-1), ValueError, "levels is -1, must be at least 0"),
+                (lambda: p.render(size=8, level=-1), ValueError, "level is -1"),
+                (lambda: p.suggest().adapt(p, -1), ValueError, "level is -1"),
+                (lambda: p.render(size=0), ValueError, "size is 0"),
+                (lambda: p.render(size=8, view="sideways"), iso.Error, '^view is "sideways"'),
+                (lambda: p.render(size=8, scene=p.suggest()), TypeError, "needs an isoshade.Scene"),
+                (lambda: p.suggest().evaluate(slab(), [1]), TypeError, "needs an isoshade.Pyramid"),
+                (lambda: iso.validate(p), TypeError, "needs an isoshade.Volume"),
+                (lambda: p.export("slab.vdb", tf="ct-bone"), ValueError, "export to vdb has no scene, tf"),
+                (lambda: iso.choices("tfs"), ValueError, "must be one of type, code"),
+                (lambda: iso.compare(np.zeros((2, 2, 4), np.uint8), np.zeros((2, 2, 4))), TypeError, "must be floats")):
+            with self.assertRaisesRegex(kind, words):
+                call()
 
     def test_exports_and_pages(self):
         p = slab().build(2)
@@ -225,7 +287,7 @@ class Pyramids(unittest.TestCase):
         self.assertLess(rough["bytes"], fine["bytes"])
         self.assertLessEqual(rough["measured_rmse"], 0.1)
         self.assertLessEqual(p.plan(memory=rough["bytes"], size=24, levels=2)["bytes"], rough["bytes"])
-        part, whole = (p.export(None, to="vdb", size=24, plan=plan) for plan in (rough, None))
+        part, whole = p.export(None, to="vdb", size=24, plan=rough), p.export(None, to="vdb")
         self.assertNotEqual(part, whole)
         with self.assertRaisesRegex(iso.Error, "error is 2"):
             p.plan(2)
@@ -250,6 +312,7 @@ class Images(unittest.TestCase):
         m = iso.compare(a, b)
         self.assertAlmostEqual(m.rmse, 0.125, delta=1e-7)  # floats
         self.assertAlmostEqual(m.max_abs, 0.125, delta=1e-7)
+        self.assertIs(type(a.view(iso.Image).mean()), np.float32)
         b[1, 2, 0] = 5
         self.assertEqual(iso.compare(a, b).worst, (2, 1))
 

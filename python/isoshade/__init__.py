@@ -27,7 +27,13 @@ __all__ = ["Error", "Image", "Level", "Metrics", "Pyramid", "Report", "Request",
 def choices(kind: str):
     """Lists names: kind is "type", "code", "estimator", "scalar filter", "direction filter", "shading", "renderer",
     "export", "tf" or "view"."""
+    if kind not in _native.CHOICES:
+        raise ValueError(f"kind is {kind!r}, must be one of {', '.join(_native.CHOICES)}")
     return _native.choices(_native.CHOICES.index(kind))
+
+
+for _name in __all__:
+    globals()[_name].__module__ = __name__  # as messages and help() show it
 
 
 @_native.WARNING

@@ -12,6 +12,8 @@ from . import _native as native
 
 def _struct(image):
     """Returns the struct of an array, and the array that owns its pixels."""
+    if np.asarray(image).dtype.kind != "f":
+        raise TypeError(f"image has the type {np.asarray(image).dtype}, must be floats: linear light, 1 is white")
     pixels = np.ascontiguousarray(image, np.float32)
     if pixels.ndim != 3 or pixels.shape[2] != 4:
         raise ValueError(f"image has shape {pixels.shape}, must be (height, width, 4)")
@@ -23,6 +25,9 @@ def _struct(image):
 
 class Image(np.ndarray):
     """A numpy array of float32, shape (height, width, 4): linear light, color multiplied by alpha, top row first."""
+
+    def __array_wrap__(self, array, *more):
+        return array[()] if array.ndim == 0 else super().__array_wrap__(array, *more)  # image.mean() is a number
 
     @classmethod
     def _taken(cls, struct):

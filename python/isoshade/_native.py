@@ -4,6 +4,7 @@ import ctypes
 import enum
 import os
 import pathlib
+import re
 import threading
 from ctypes import (POINTER, byref, c_bool, c_char, c_char_p, c_double, c_float, c_int, c_size_t, c_ssize_t, c_ubyte,
                     c_void_p)
@@ -47,7 +48,22 @@ class Grid(ctypes.Structure):
                 ("reserved", c_void_p * 4)]
 
 
-class OpenOptions(ctypes.Structure):
+def check_count(name, value):
+    """Refuses a negative number, which ctypes would take for a huge one."""
+    if isinstance(value, int) and value < 0:
+        raise ValueError(f"{name} is {value}, must be at least 0")
+
+
+class Options(ctypes.Structure):
+    """A struct of options."""
+
+    def __setattr__(self, name, value):
+        if dict(self._fields_).get(name) is c_size_t:
+            check_count(name, value)
+        super().__setattr__(name, value)
+
+
+class OpenOptions(Options):
     _fields_ = [("series", c_char_p), ("frame", c_char_p), ("channel", c_char_p), ("unit", c_char_p),
                 ("spacing", c_double * 3), ("raw_size", c_size_t * 3), ("raw_type", c_char_p),
                 ("raw_skip_bytes", c_size_t), ("raw_is_big_endian", c_bool), ("stored", c_bool), ("labels", c_int),
@@ -58,7 +74,7 @@ PROGRESS = ctypes.CFUNCTYPE(c_bool, c_void_p, c_char_p, c_double)
 WARNING = ctypes.CFUNCTYPE(None, c_void_p, c_char_p)
 
 
-class BuildOptions(ctypes.Structure):
+class BuildOptions(Options):
     _fields_ = [("levels", c_size_t), ("code", c_char_p), ("estimator", c_char_p), ("scalar_filter", c_char_p),
                 ("direction_filter", c_char_p), ("keep_float", c_bool), ("keep_magnitude", c_bool), ("threads", c_int),
                 ("progress", PROGRESS), ("progress_user", c_void_p), ("reserved", c_void_p * 8)]
@@ -74,7 +90,7 @@ class TfPoint(ctypes.Structure):
     _fields_ = [("value", c_double), ("rgb_linear", c_double * 3), ("opacity", c_double)]
 
 
-class LookOptions(ctypes.Structure):
+class LookOptions(Options):
     _fields_ = [("tf", c_char_p), ("view", c_char_p), ("zoom", c_double), ("width", c_size_t), ("height", c_size_t),
                 ("reserved", c_void_p * 8)]
 
@@ -95,21 +111,21 @@ class Region(ctypes.Structure):
                 ("reserved", c_void_p * 4)]
 
 
-class FrameOptions(ctypes.Structure):
+class FrameOptions(Options):
     _fields_ = [("renderer", c_char_p), ("level", c_size_t), ("width", c_size_t), ("height", c_size_t),
                 ("tf", c_void_p), ("shading", c_char_p), ("step_voxels", c_double), ("samples", c_int), ("seed", c_int),
                 ("threads", c_int), ("progress", PROGRESS), ("progress_user", c_void_p), ("adapt", c_bool),
                 ("extinction_scale", c_bool), ("region", POINTER(Region)), ("reserved", c_void_p * 6)]
 
 
-class ExportOptions(ctypes.Structure):
+class ExportOptions(Options):
     _fields_ = [("level", c_size_t), ("level_count", c_size_t), ("width", c_size_t), ("height", c_size_t),
                 ("tf", c_void_p), ("half_float", c_bool), ("threads", c_int), ("progress", PROGRESS),
                 ("progress_user", c_void_p), ("adapt", c_bool), ("extinction_scale", c_bool),
                 ("region", POINTER(Region)), ("plan", c_char_p), ("reserved", c_void_p * 5)]
 
 
-class PlanOptions(ctypes.Structure):
+class PlanOptions(Options):
     _fields_ = [("error", c_double), ("memory_bytes", c_double), ("levels", c_size_t), ("brick_voxels", c_size_t),
                 ("views", c_size_t), ("width", c_size_t), ("height", c_size_t), ("threads", c_int),
                 ("progress", PROGRESS), ("progress_user", c_void_p), ("reserved", c_void_p * 8)]
@@ -121,7 +137,7 @@ class PlanResult(ctypes.Structure):
                 ("reserved", c_void_p * 8)]
 
 
-class PageOptions(ctypes.Structure):
+class PageOptions(Options):
     _fields_ = [("title", c_char_p), ("most_voxels", c_size_t), ("threads", c_int), ("compact", c_bool),
                 ("progress", PROGRESS), ("progress_user", c_void_p), ("reserved", c_void_p * 8)]
 
@@ -139,7 +155,7 @@ class OwnRenderer(ctypes.Structure):
     _fields_ = [("name", c_char_p), ("render", RENDER), ("user", c_void_p)]
 
 
-class ValidateOptions(ctypes.Structure):
+class ValidateOptions(Options):
     _fields_ = [("scene", c_void_p), ("renderers", POINTER(OwnRenderer)), ("renderer_count", c_size_t),
                 ("with_", c_char_p), ("folder", c_char_p), ("levels", c_size_t), ("width", c_size_t),
                 ("height", c_size_t), ("quick", c_bool), ("progress", PROGRESS), ("progress_user", c_void_p),
@@ -261,12 +277,17 @@ for _name, (_result, _parameters) in _FUNCTIONS.items():
     _function.argtypes = _parameters
 
 
+# Options of the command line in messages, which are arguments here.
+_OPTIONS = re.compile("--((?:series|frame|channel|spacing|unit|resample|force-spacing|no-data|view|size|zoom|tf|level)"
+                      r")\b(?!-)")
+
+
 def call(name, *arguments):
     """Calls a function that returns an iso_status; raises Error."""
     error = ErrorText()
     status = getattr(lib, name)(*arguments, byref(error))
     if status != 0:
-        raise Error(status, error.text.decode(errors="replace"))
+        raise Error(status, _OPTIONS.sub(lambda m: m[1].replace("-", "_"), error.text.decode(errors="replace")))
 
 
 def text(value):
@@ -376,6 +397,18 @@ def call_long(name, *arguments, options, progress=None, watch=None):
         raise
     if watch.failure:
         raise watch.failure
+
+
+def pointer(handle, kind):
+    """Returns the pointer of an object of a class, by its name."""
+    if type(handle).__name__ != kind or not isinstance(handle, Handle):
+        raise TypeError(f"{type(handle).__name__} is given, needs an isoshade.{kind}")
+    return handle._pointer
+
+
+def words(value):
+    """Returns words with commas, of a text or a sequence."""
+    return value if isinstance(value, str) else ",".join(value)
 
 
 class Handle:

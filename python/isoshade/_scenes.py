@@ -13,7 +13,7 @@ from . import _native as native
 
 def _text(name, handle):
     made = ctypes.c_void_p()
-    native.call(name, handle._pointer, byref(made))
+    native.call(name, native.pointer(handle, "Tf" if name == "iso_tf_text" else "Scene"), byref(made))
     return native.take_text(made)
 
 
@@ -28,9 +28,11 @@ class Tf(native.Handle):
 
     def __init__(self, points: Sequence[Tuple[float, Sequence[float], float]], unit: float = 1):
         array = (native.TfPoint * len(points))()
-        for to, (value, rgb, opacity) in zip(array, points):
-            to.value, to.opacity = value, opacity
-            to.rgb_linear[:] = rgb
+        for to, point in zip(array, points):
+            try:
+                to.value, to.rgb_linear[:], to.opacity = point
+            except (TypeError, ValueError):
+                raise ValueError(f"a point is {point}, must be (value, (r, g, b), opacity)") from None
         made = self._made_by("iso_tf_from_points", array, len(points), unit)
         super().__init__(made._pointer)
         made._pointer = None
@@ -52,13 +54,14 @@ class Tf(native.Handle):
         """Looks up values, of any shape, as renderers of the pyramid do: (..., 4) of r, g, b, extinction per mm."""
         values = np.ascontiguousarray(values, float)
         out = np.empty(values.shape + (4,))
-        native.call("iso_tf_evaluate", self._pointer, pyramid._pointer, values.ctypes.data, values.size,
+        native.call("iso_tf_evaluate", self._pointer, native.pointer(pyramid, "Pyramid"), values.ctypes.data, values.size,
                     out.ctypes.data)
         return out
 
     def adapt(self, pyramid, level: int) -> "Tf":
         """Returns the transfer function with which the level looks like the volume."""
-        return Tf._made_by("iso_tf_adapt", self._pointer, pyramid._pointer, level)
+        native.check_count("level", level)
+        return Tf._made_by("iso_tf_adapt", self._pointer, native.pointer(pyramid, "Pyramid"), level)
 
     def save(self, path) -> None:
         """Writes NAME.tf.json."""
@@ -107,7 +110,7 @@ class Scene(native.Handle):
 
     def set_tf(self, tf: Tf) -> None:
         """Replaces the transfer function."""
-        native.call("iso_scene_set_tf", self._pointer, tf._pointer)
+        native.call("iso_scene_set_tf", self._pointer, native.pointer(tf, "Tf"))
 
     def save(self, path) -> None:
         """Writes NAME.scene.json."""
@@ -124,11 +127,17 @@ class Scene(native.Handle):
 def _sizes(size):
     if size is None:
         return 0, 0
-    return (size, size) if np.ndim(size) == 0 else tuple(size)
+    sizes = (size, size) if np.ndim(size) == 0 else tuple(size)
+    if len(sizes) != 2 or not all(s > 0 for s in sizes):
+        raise ValueError(f"size is {size}, must be one number of pixels, or (width, height)")
+    return sizes
 
 
 def _copy(scene):
-    return Scene.open(scene) if isinstance(scene, (str, os.PathLike)) else Scene(scene.to_dict())
+    """Returns a copy of a Scene, of one in a file, or of a dict."""
+    if isinstance(scene, (str, os.PathLike)):
+        return Scene.open(scene)
+    return Scene(scene if isinstance(scene, dict) else json.loads(_text("iso_scene_text", scene)))
 
 
 def scene_for(pyramid, scene, tf, view: Optional[str], zoom: float, size) -> Scene:

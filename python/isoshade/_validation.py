@@ -5,12 +5,12 @@ import html
 import json
 import pathlib
 from ctypes import byref
-from typing import Callable, Dict, Optional, Sequence
+from typing import Callable, Dict, Optional, Sequence, Union
 
 import numpy as np
 
 from . import _native as native
-from ._scenes import Scene, _copy, _sizes
+from ._scenes import _copy, _sizes
 from ._volumes import Progress, Volume, _matrix
 
 
@@ -77,7 +77,7 @@ def _render_callback(function, watch):
 
 
 def validate(volume: Volume, renderers: Optional[Dict[str, Callable[[Request], np.ndarray]]] = None, *,
-             with_: Sequence[str] = (), scene=None, folder=None, levels: int = 1, size=None, quick: bool = True,
+             with_: Union[str, Sequence[str]] = (), scene=None, folder=None, levels: int = 1, size=None, quick: bool = True,
              progress: Progress = None) -> Report:
     """Validates renderers: calibrations with known pictures, then comparisons with the exact reference.
 
@@ -89,11 +89,11 @@ def validate(volume: Volume, renderers: Optional[Dict[str, Callable[[Request], n
     own = [native.OwnRenderer(native.text(name), _render_callback(f, watch), None)
            for name, f in (renderers or {}).items()]
     o.renderers = (native.OwnRenderer * len(own))(*own)
-    o.renderer_count, o.with_, o.folder = len(own), native.text(",".join(with_) or None), native.text(folder)
-    made = None if scene is None else scene if isinstance(scene, Scene) else _copy(scene)
+    o.renderer_count, o.with_, o.folder = len(own), native.text(native.words(with_) or None), native.text(folder)
+    made = None if scene is None else _copy(scene)
     o.scene = made and made._pointer
     o.levels, o.quick, (o.width, o.height) = levels, quick, _sizes(size)
-    native.call_long("iso_validate", volume._pointer, byref(o), byref(result), options=o, watch=watch)
+    native.call_long("iso_validate", native.pointer(volume, "Volume"), byref(o), byref(result), options=o, watch=watch)
     try:
         return Report(result)
     finally:

@@ -3,6 +3,7 @@
 import ctypes
 import html
 import json
+import operator
 import os
 from ctypes import POINTER, byref, c_double, c_size_t, c_ssize_t
 from typing import Callable, Optional, Sequence, Tuple, Union
@@ -52,13 +53,39 @@ def _grid(size, spacing, index_to_world):
     return grid
 
 
-def _spacing_of_coordinates(array):
-    """Returns spacing (x, y, z) of an xarray.DataArray with evenly spaced coordinates, else None."""
-    steps = [np.diff(array.coords[d].values) if d in array.coords and array.sizes[d] > 1 else np.array([1.0])
-             for d in reversed(array.dims)]
-    if any(s.dtype.kind not in "fiu" or not np.allclose(s, s[0], rtol=1e-3) or s[0] <= 0 for s in steps):
-        return None
-    return tuple(float(s[0]) for s in steps)
+def _matrix_of_coordinates(array):
+    """Returns the matrix of an xarray.DataArray [z, y, x], whose coordinates are centers of voxels in mm. An axis
+    without coordinates, or with a single one, has voxels of 1 mm."""
+    matrix = np.zeros((3, 4))
+    for row, dim in enumerate(reversed(array.dims)):
+        at = np.asarray(array.coords[dim]) if dim in array.coords else np.arange(array.shape[2 - row]) + 0.5
+        steps = np.diff(at.astype(float)) if len(at) > 1 else np.ones(1)
+        if not np.allclose(steps, steps[0], rtol=1e-3) or steps[0] == 0:
+            raise ValueError(f"coordinates along {dim} are not even, {steps.min():g} to {steps.max():g} apart; "
+                             "interpolate them, or pass spacing")
+        matrix[row, row], matrix[row, 3] = steps[0], at[0] - steps[0] / 2
+    return matrix
+
+
+def _lengths(spacing):
+    """Returns three edges (x, y, z) of a voxel, of one number or three."""
+    edges = np.asarray(spacing, float)
+    edges = np.repeat(edges, 3) if edges.ndim == 0 else edges
+    if edges.shape != (3,) or not (edges > 0).all():
+        raise ValueError(f"spacing is {spacing}, must be one or three lengths (x, y, z) above 0")
+    return tuple(edges.tolist())
+
+
+def _samples(array):
+    """Returns an array of a type that the library takes, in the machine's byte order. Masked samples become NaN."""
+    if np.ma.is_masked(array):
+        array = array.astype(np.result_type(array.dtype, np.float16)).filled(np.nan)
+    array = np.asarray(array)
+    if array.ndim != 3:
+        raise ValueError(f"array has {array.ndim} dimensions, must have 3: z, y, x")
+    if array.dtype.kind not in "biuf" or array.dtype.itemsize > 8:
+        raise TypeError(f"array has the type {array.dtype}, must be bool, or integers or floats of at most 64 bits")
+    return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
 
 
 def _restore(array, matrix):
@@ -76,22 +103,20 @@ class Volume(native.Handle):
     """A grid of numbers.
 
     array: shape (nz, ny, nx), indexed [z, y, x]: any integer, bool or float type, any strides; or an xarray.DataArray,
-        whose coordinates give the spacing. It is copied. NaN is no data; other values must be finite.
-    spacing: voxel edges (x, y, z) in mm; the volume is centered at the origin.
+        whose coordinates give the place. It is copied. NaN and masked samples are no data; others must be finite.
+    spacing: voxel edges (x, y, z) in mm, or one for all; the volume is centered at the origin.
     index_to_world: (3, 4) matrix from continuous index (x, y, z, 1), voxel centers at i + 1/2, to mm; replaces spacing.
     """
 
     _free = "iso_volume_free"
 
-    def __init__(self, array, spacing: Optional[Sequence[float]] = None, *, index_to_world=None):
-        if spacing is None and hasattr(array, "dims") and hasattr(array, "coords"):
-            spacing = _spacing_of_coordinates(array)
-        array = np.asarray(array)
-        if array.ndim != 3:
-            raise ValueError(f"array has {array.ndim} dimensions, must have 3: z, y, x")
-        if not array.dtype.isnative:
-            array = array.astype(array.dtype.newbyteorder("="))
-        grid = _grid(array.shape[::-1], spacing or (1, 1, 1), index_to_world)
+    def __init__(self, array, spacing: Union[None, float, Sequence[float]] = None, *, index_to_world=None):
+        if hasattr(array, "dims") and hasattr(array, "coords") and len(array.dims) == 3:
+            array = array.transpose("z", "y", "x") if set(array.dims) == set("xyz") else array
+            if spacing is None and index_to_world is None:
+                index_to_world = _matrix_of_coordinates(array)
+        array = _samples(array)
+        grid = _grid(array.shape[::-1], _lengths(1 if spacing is None else spacing), index_to_world)
         made = self._made_by("iso_volume_from_array", byref(grid),
                              native.text(_NAMES.get(array.dtype.name, array.dtype.name)), array.ctypes.data,
                              (c_ssize_t * 3)(*array.strides[::-1]))
@@ -146,7 +171,9 @@ class Volume(native.Handle):
                                 attrs={"units": "mm"})
 
     def save(self, path, gzip: bool = False) -> None:
-        """Writes an NRRD file."""
+        """Writes an NRRD file, NAME.nrrd."""
+        if os.path.splitext(os.fspath(path))[1].lower() != ".nrrd":
+            raise ValueError(f"{path}: a volume is saved as .nrrd")
         native.call("iso_volume_save", self._pointer, native.text(path), gzip)
 
     def build(self, levels: int = 4, *, code: Optional[str] = None, estimator: Optional[str] = None,
@@ -183,6 +210,9 @@ class Level:
         self.values = _view(view.values, np.float32, self.shape, pyramid)
         self._pyramid, self._number = pyramid, number
 
+    def __repr__(self):
+        return f"Level {self._number} of {' x '.join(map(str, self.shape[::-1]))} voxels"
+
     @property
     def directions(self) -> np.ndarray:
         """Shading directions in world axes; each call decodes them."""
@@ -203,6 +233,7 @@ class Pyramid(native.Handle):
         return native.lib.iso_pyramid_level_count(self._pointer)
 
     def __getitem__(self, number: int) -> Level:
+        number = operator.index(number)
         if not -len(self) <= number < len(self):
             raise IndexError(f"level {number} of {len(self)} levels")
         return Level(self, number % len(self))
@@ -263,6 +294,8 @@ class Pyramid(native.Handle):
         if not target:
             raise ValueError(f"{path}: no target has this ending; name one by to=: {', '.join(native.choices(7))}")
         needs_scene = target not in ("vdb", "nanovdb") or extinction_scale or plan
+        if not needs_scene and not scene is tf is view is size is None:
+            raise ValueError(f"export to {target} has no scene, tf, view or size")
         made = scene_for(self, scene, tf, view, 0, size) if needs_scene else None
         o = native.lib.iso_export_defaults()
         o.level, o.level_count, o.half_float, o.adapt, o.threads = level, levels, half, adapt, threads
@@ -298,15 +331,15 @@ class Pyramid(native.Handle):
 
     def figure(self, kind: str = "levels", *, format: str = "pdf", scene=None, tf=None, view: Optional[str] = None,
                size=None, width: float = 178, dpi: float = 300, levels: int = 0,
-               renderers: Optional[str] = None) -> bytes:
+               renderers: Union[str, Sequence[str]] = ()) -> bytes:
         """Returns a publication figure, `width` mm wide, as "pdf", "svg" or "png". Runs the program isoshade.
 
-        kind: "levels", "renderers", "tf" ... (`isoshade figure`). levels, renderers ("gl,povray"): of kinds with them.
+        kind: "levels", "renderers", "tf" ... (`isoshade figure`). levels, renderers (["gl", "povray"]): of kinds with them.
         """
         options = ["--width", repr(float(width)), "--dpi", repr(float(dpi))]
         levels = levels or (min(4, len(self)) if kind in ("levels", "grid") else 0)
         options += ["--levels", str(levels)] if levels else []
-        options += ["--with", renderers] if renderers else []
+        options += ["--with", native.words(renderers)] if renderers else []
         return _programs.figure(self, scene_for(self, scene, tf, view, 0, size), kind, format, options)
 
     def page(self, *, scene=None, tf=None, view: Optional[str] = None, title: Optional[str] = None,
@@ -327,7 +360,7 @@ class Pyramid(native.Handle):
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 36em; border: 0"></iframe>'
 
 
-def open(path, *, series=None, frame=None, channel=None, spacing: Optional[Sequence[float]] = None,
+def open(path, *, series=None, frame=None, channel=None, spacing: Union[None, float, Sequence[float]] = None,
          unit: Optional[str] = None, stored: bool = False, labels: Optional[bool] = None,
          raw_size: Optional[Sequence[int]] = None, raw_type: Optional[str] = None, raw_skip_bytes: int = 0,
          raw_is_big_endian: bool = False, resample: bool = False, force_spacing: bool = False,
@@ -338,11 +371,14 @@ def open(path, *, series=None, frame=None, channel=None, spacing: Optional[Seque
     file without a header. resample, force_spacing: interpolate slices at uneven distances, or take them for even.
     no_data: a value, (lo, hi) or "none", instead of the file's.
     """
+    given = dict(locals())
     if os.path.isfile(os.path.join(path, "pyramid.json")):
+        if any(value not in (None, False, 0) for name, value in given.items() if name != "path"):
+            raise ValueError(f"{path}: is a pyramid, which takes no options")
         return Pyramid._made_by("iso_pyramid_open", native.text(path))
     o = native.OpenOptions()
     o.series, o.frame, o.channel, o.unit = map(native.text, (series, frame, channel, unit))
-    o.spacing[:] = spacing or (0, 0, 0)
+    o.spacing[:] = (0, 0, 0) if spacing is None else _lengths(spacing)
     o.raw_size[:] = raw_size or (0, 0, 0)
     o.raw_type, o.raw_skip_bytes, o.raw_is_big_endian = native.text(raw_type), raw_skip_bytes, raw_is_big_endian
     o.stored, o.labels = stored, 0 if labels is None else 1 if labels else -1

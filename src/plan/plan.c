@@ -277,12 +277,13 @@ static iso_status find_footprints(const iso_plan_errors *plan, const iso_node_le
 {
     size_t larger = view->width > view->height ? view->width : view->height, stride = (larger + 255) / 256;
     size_t columns = (view->width + stride - 1) / stride, rows = (view->height + stride - 1) / stride;
+    const iso_progress *progress = iso_progress_current();
     double *seen = calloc(plan->brick_count * rows, sizeof *seen);
     if (!seen)
         return iso_fail(err, ISO_E_MEMORY, "plan: no memory for the footprints of %zu bricks", plan->brick_count);
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads))
     for (size_t row = 0; row < rows; ++row)
-        for (size_t column = 0; column < columns; ++column) {
+        for (size_t column = 0; column < columns && !iso_progress_poll(progress); ++column) {
             size_t x = column * stride + stride / 2, y = row * stride + stride / 2;
             iso_ray ray = iso_camera_ray(&view->camera, view->width, view->height,
                                          x < view->width ? x : view->width - 1,
@@ -305,6 +306,7 @@ static iso_status add_errors_of_view(iso_plan_errors *plan, const estimator *e, 
                                      const uint8_t *shown, int threads, iso_error *err)
 {
     const size_t side = e->nodes->brick_voxels + 3, levels = plan->level_count;
+    const iso_progress *progress = iso_progress_current();
     bool failed = false;
 #pragma omp parallel num_threads(iso_threads(threads)) reduction(|| : failed)
     {
@@ -313,7 +315,7 @@ static iso_status add_errors_of_view(iso_plan_errors *plan, const estimator *e, 
         for (size_t i = 0; i < plan->brick_count; ++i) {
             float errors[ISO_BRICK_MAX_LEVELS] = {0};
             plan->footprints[i] += footprints[i];
-            if (footprints[i] <= 0 || !shown[i])
+            if (footprints[i] <= 0 || !shown[i] || iso_progress_poll(progress))
                 continue;
             plan->shown[i] = 1;
             failed = failed || !room || estimate_brick(e, plan->levels, i, room, errors) != ISO_OK;

@@ -124,8 +124,12 @@ iso_status iso_planner_draw(const iso_planner *p, const uint8_t *levels, const u
     iso_cpu_brick_options cpu = iso_cpu_brick_defaults();
     opt.wanted = cpu.wanted = wanted;
     cpu.threads = p->threads;
-    return p->gl ? iso_gl_render_bricks(p->gl, &field, view, &opt, image, NULL, err)
-                 : iso_cpu_render_bricks(&field, view, &cpu, image, err);
+    iso_status status = p->gl ? iso_gl_render_bricks(p->gl, &field, view, &opt, image, NULL, err)
+                              : iso_cpu_render_bricks(&field, view, &cpu, image, err);
+    TRY(status, iso_progress_check(iso_progress_current(), err)); /* a canceled picture has holes */
+    if (status != ISO_OK)
+        iso_image_destroy(image);
+    return status;
 }
 
 static iso_status render_levels(iso_planner *p, const uint8_t *levels, const uint8_t *wanted, size_t view,
@@ -174,6 +178,7 @@ iso_status iso_planner_create(iso_planner *p, iso_node_levels *nodes, const iso_
         TRY(status, measure_blank(&p->full[v], &views[v], &p->blank_rmse, err));
     }
     TRY(status, iso_node_levels_complete(nodes, opt->threads, err));
+    TRY(status, iso_progress_check(progress, err));
     TRY(status, iso_plan_errors_create(&p->plan, nodes, views, view_count, opt->threads, progress, err));
     for (size_t i = 0; status == ISO_OK && i < count; ++i)
         p->wanted[i] = p->plan.footprints[i] > 0;
