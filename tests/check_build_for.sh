@@ -105,6 +105,29 @@ check with_their_scale ls pov2/*_scale.df3
 refuse a_target_without_scales_refuses_them 2 'paraview does not support extinction scales' \
     "$ISOSHADE" export o.iso --to paraview --scene "$scene" --level 1 -o paraview
 expect they_are_viewed 0 "$ISOSHADE" view o.iso --scene "$scene" -q -o o.html
+# Several scenes: each is judged, and commands take the level under its own transfer function for each.
+two=$scene,$top/refscenes/solid.scene.json
+expect levels_are_made_for_two_scenes 0 "$ISOSHADE" build v.nrrd --for "$two" --effort fast --levels 2 -o t.iso
+check with_a_ratio_for_each grep -q '^level 1: .* of the best for solid.scene.json alone (' out
+expect both_are_named 0 "$ISOSHADE" info t.iso --json
+check with_their_figures python3 -c 'import json
+made = json.load(open("out"))["made_for"]
+level = made["levels"][0]
+assert [made["scene"]] + [o["scene"] for o in made["others"]] == ["marschner-lobb.scene.json", "solid.scene.json"], made
+for part in level, level["others"][0]:
+    chosen = [c for c in part["candidates"] if c["scalar"] == "optimized"][0]["ssim_dissimilarity"]
+    best = min(c["ssim_dissimilarity"] for c in part["candidates"] if c["scalar"] != "optimized")
+    assert level["scalar"] == "optimized" and part["ratio"] <= 1.02 and abs(chosen / best - part["ratio"]) < 0.1, part
+assert level["tf"] != level["others"][0]["tf"]'
+for name in ${two//,/ }; do
+    expect either_is_drawn 0 "$ISOSHADE" render t.iso --scene "$name" --size 48 --with cpu --level 1 -o a.png
+    check without_a_warning bash -c '! grep -q "another one" err'
+done
+expect any_other_has_a_warning 0 "$ISOSHADE" render t.iso --scene "$scene" --tf other.tf.json --size 48 --with cpu \
+    --level 1 -o a.png
+check that_names_both grep -q 'the transfer function of marschner-lobb.scene.json, solid.scene.json and' err
+refuse scenes_need_other_transfer_functions 2 "have the same transfer function" \
+    "$ISOSHADE" build v.nrrd --for "$scene,$scene" --effort none --levels 2 -o x.iso
 refuse effort_needs_a_scene 2 "--effort needs --for" "$ISOSHADE" build v.nrrd --effort fast -o x.iso
 
 refuse a_pyramid_is_no_volume 2 "v.iso: a pyramid" "$ISOSHADE" build v.iso --for "$scene" -o x.iso

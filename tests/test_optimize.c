@@ -60,7 +60,8 @@ static iso_pyramid bumpy_ball(iso_code code)
 
 static iso_optimize_options fast(int threads)
 {
-    return (iso_optimize_options){.effort = ISO_EFFORT_FAST, .seed = 5, .rate = 1, .threads = threads};
+    return (
+        iso_optimize_options){.effort = ISO_EFFORT_FAST, .seed = 5, .rate = 1, .scene_count = 1, .threads = threads};
 }
 
 /* Level 1 as it was built, under the scene's transfer function. */
@@ -85,8 +86,8 @@ TEST(a_level_is_nearer_and_threads_change_no_bit)
     assert_memory_equal(o[0].scalar, o[1].scalar, count * sizeof(float));
     assert_memory_equal(o[0].codes, o[1].codes, 3 * count);
     assert_memory_equal(o[0].scale, o[1].scale, count);
-    assert_true(iso_tf_table_equals(&o[0].tf, &o[1].tf));
-    assert_false(iso_tf_table_equals(&o[0].tf, &tf));
+    assert_true(iso_tf_table_equals(&o[0].tfs[0], &o[1].tfs[0]));
+    assert_false(iso_tf_table_equals(&o[0].tfs[0], &tf));
     size_t scaled = 0;
     assert_at_most(o[0].error, 0.8 * o[0].error_first);
     for (size_t i = 0; i < count; ++i) {
@@ -98,7 +99,7 @@ TEST(a_level_is_nearer_and_threads_change_no_bit)
     }
     assert_true(scaled > count / 10);
     for (size_t i = 0; i < 4 * tf.count; ++i)
-        assert_true(o[0].tf.entries[i] >= 0 && (i % 4 == 3 || o[0].tf.entries[i] <= 1));
+        assert_true(o[0].tfs[0].entries[i] >= 0 && (i % 4 == 3 || o[0].tfs[0].entries[i] <= 1));
     iso_optimized_destroy(&o[0]);
     iso_optimized_destroy(&o[1]);
 }
@@ -120,7 +121,7 @@ TEST(a_stopped_run_returns_the_level_so_far)
     assert_ok(iso_optimize_level(&p, 1, &scene, &start, &opt, &o, NULL, &err));
     assert_int_equal(o.steps, 0);
     assert_memory_equal(o.scale, scale, sizeof scale);
-    assert_true(iso_tf_table_equals(&o.tf, &tf));
+    assert_true(iso_tf_table_equals(&o.tfs[0], &tf));
     assert_memory_equal(o.scalar, p.levels[1].scalar, iso_geometry_voxel_count(&p.levels[1].geometry) * sizeof(float));
 }
 
@@ -255,16 +256,33 @@ TEST(each_figure_of_the_gate_can_refuse)
 {
     const iso_level_seen before = {{0}, 0.1, 0.05, 0.04, 0.02};
     const iso_level_seen nearer = {{0}, 0.09, 0.05, 0.03, 0.02};
-    assert_true(iso_level_gate_is_nearer(&before, &nearer));
+    assert_true(iso_level_gate_is_nearer(&before, &nearer, 1));
     for (int i = 0; i < 4; ++i) {
         iso_level_seen worse = nearer;
         double *figures[4] = {&worse.ssim_dissimilarity, &worse.rmse, &worse.small_ssim_dissimilarity,
                               &worse.small_rmse};
         *figures[i] = i % 2 == 0 ? 0.985 * (i == 0 ? 0.1 : 0.04) : 1.01 * *figures[i];
-        assert_false(iso_level_gate_is_nearer(&before, &worse));
+        assert_false(iso_level_gate_is_nearer(&before, &worse, 1));
         *figures[i] = NAN;
-        assert_false(iso_level_gate_is_nearer(&before, &worse));
+        assert_false(iso_level_gate_is_nearer(&before, &worse, 1));
     }
+}
+
+/* A gain in one scene does not buy a loss in another of more than 2 %. */
+TEST(each_scene_can_refuse)
+{
+    const iso_level_seen before[2] = {{{0}, 0.1, 0.05, 0.04, 0.02}, {{0}, 0.2, 0.05, 0.08, 0.02}};
+    const iso_level_seen after[2] = {{{0}, 0.05, 0.04, 0.02, 0.01}, {{0}, 0.203, 0.0505, 0.081, 0.0202}};
+    assert_true(iso_level_gate_is_nearer(before, after, 2));
+    assert_false(iso_level_gate_is_nearer(before + 1, after + 1, 1)); /* alone it gains nothing */
+    for (int i = 0; i < 4; ++i) {
+        iso_level_seen worse[2] = {after[0], after[1]};
+        double *figures[4] = {&worse[1].ssim_dissimilarity, &worse[1].rmse, &worse[1].small_ssim_dissimilarity,
+                              &worse[1].small_rmse};
+        *figures[i] *= 1.02;
+        assert_false(iso_level_gate_is_nearer(before, worse, 2));
+    }
+    assert_false(iso_level_gate_is_nearer(before, before, 2)); /* no gain in either */
 }
 
 /* Directions in disorder are a level that no gate takes. */
@@ -291,7 +309,7 @@ TEST(a_spoilt_level_is_not_accepted)
     shown = (iso_shown_level){&p.levels[1], &halved, NULL};
     assert_ok(iso_level_gate_look(&gate, 1, &shown, &seen[2], &err));
     for (int i = 1; i < 3; ++i) { /* directions; transfer function */
-        assert_false(iso_level_gate_is_nearer(&seen[0], &seen[i]));
+        assert_false(iso_level_gate_is_nearer(&seen[0], &seen[i], 1));
         assert_more_than(seen[i].ssim_dissimilarity, seen[0].ssim_dissimilarity);
     }
     iso_level_gate_close(&gate);
@@ -306,7 +324,7 @@ static iso_pyramid optimized_and_loaded(const iso_scene *scene, iso_pyramid *mad
     iso_pyramid loaded;
     char *dir = iso_path_join(folder, "optimized.iso");
     *made = bumpy_ball(ISO_CODE_FIT);
-    assert_ok(iso_scene_levels_make(made, 1, scene, &opt, 2, levels, NULL, &err));
+    assert_ok(iso_scene_levels_make(made, 1, scene, 1, &opt, 2, levels, NULL, &err));
     assert_ok(iso_pyramid_save(made, dir, &err));
     assert_ok(iso_pyramid_load(dir, &loaded, &err));
     free(dir);
@@ -322,8 +340,8 @@ TEST(it_is_stored_bit_by_bit)
     const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
     char text[200];
     assert_int_equal(levels[1].chosen, ISO_LEVEL_WAY_OPTIMIZED);
-    assert_at_most(levels[1].candidates[ISO_LEVEL_WAY_OPTIMIZED].seen.ssim_dissimilarity,
-                   0.7 * levels[1].candidates[ISO_LEVEL_WAY_BUILT].seen.ssim_dissimilarity);
+    assert_at_most(levels[1].candidates[0][ISO_LEVEL_WAY_OPTIMIZED].seen.ssim_dissimilarity,
+                   0.7 * levels[1].candidates[0][ISO_LEVEL_WAY_BUILT].seen.ssim_dissimilarity);
     assert_true(loaded.levels[1].is_optimized && loaded.levels[1].made_for_scene);
     assert_memory_equal(loaded.levels[1].codes, p.levels[1].codes, 3 * count);
     assert_memory_equal(loaded.levels[1].scale, p.levels[1].scale, count);
@@ -360,7 +378,7 @@ TEST(it_is_shown_under_its_own_transfer_function)
     assert_ok(iso_level_gate_open(&gate, &loaded, &scene, 2, &err));
     assert_ok(iso_level_gate_look(&gate, 1, &(iso_shown_level){&loaded.levels[1], &view.tf, view.extinction_scale},
                                   &seen, &err));
-    assert_memory_equal(&seen, &levels[1].candidates[ISO_LEVEL_WAY_OPTIMIZED].seen, sizeof seen);
+    assert_memory_equal(&seen, &levels[1].candidates[0][ISO_LEVEL_WAY_OPTIMIZED].seen, sizeof seen);
     iso_level_gate_close(&gate);
 }
 
@@ -390,6 +408,64 @@ TEST(under_another_transfer_function_it_has_its_scale_or_is_adapted)
     for (size_t i = 0; i < count; ++i)
         assert_int_equal(bytes[i], ISO_EXTINCTION_SCALE_ONE);
     free(bytes);
+}
+
+/* A shell below the surface, of another color. */
+static iso_scene shell_scene(void)
+{
+    static iso_tf_point shell[] = {{0, {0.2, 0.5, 0.9}, 0},
+                                   {0.15, {0.2, 0.5, 0.9}, 0},
+                                   {0.35, {0.3, 0.6, 1}, 0.4},
+                                   {0.55, {0.2, 0.5, 0.9}, 0},
+                                   {1, {0.2, 0.5, 0.9}, 0}};
+    iso_scene scene = surface_scene();
+    scene.path = (char *)"shell.scene.json";
+    scene.tf.points = shell;
+    scene.tf.point_count = 5;
+    return scene;
+}
+
+/* One level for two scenes: nearer in each, shown in each under a transfer function of its own. Threads change no bit.
+ * The planted fault judges the level under the other scene's. */
+TEST(two_scenes_share_a_level)
+{
+    const iso_scene scenes[2] = {surface_scene(), shell_scene()};
+    const iso_optimize_options opt = fast(0);
+    iso_scene_level levels[32];
+    OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT), again = bumpy_ball(ISO_CODE_FIT);
+    const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
+    iso_tf_table own[2];
+    assert_ok(iso_scene_levels_make(&again, 1, scenes, 2, &opt, 3, levels, NULL, &err));
+    assert_ok(iso_scene_levels_make(&p, 1, scenes, 2, &opt, 1, levels, NULL, &err));
+    assert_memory_equal(again.levels[1].scalar, p.levels[1].scalar, count * sizeof(float));
+    assert_memory_equal(again.levels[1].codes, p.levels[1].codes, 3 * count);
+    assert_memory_equal(again.levels[1].scale, p.levels[1].scale, count);
+    assert_true(json_equal(again.made_for, p.made_for));
+    assert_int_equal(levels[1].chosen, ISO_LEVEL_WAY_OPTIMIZED);
+    for (int i = 0; i < 2; ++i) {
+        const iso_level_candidate *c = &levels[1].candidates[i][ISO_LEVEL_WAY_OPTIMIZED];
+        iso_level_gate gate;
+        iso_level_seen seen;
+        OWNED(iso_tf_table) tf;
+        bool found;
+        as_built(&p, &scenes[i], &tf);
+        assert_ok(iso_level_look(&p, 1, &tf, &own[i], &found, &err));
+        assert_true(found);
+        assert_at_most(iso_scene_level_ratio(&levels[1], (size_t)i), 0.9);
+        assert_ok(iso_level_gate_open(&gate, &p, &scenes[i], 2, &err));
+        for (int k = 0; k <= i; ++k) {
+            assert_ok(iso_level_gate_look(&gate, 1, &(iso_shown_level){&p.levels[1], &own[i - k], p.levels[1].scale},
+                                          &seen, &err));
+            assert_true(k == 0 ? memcmp(&seen, &c->seen, sizeof seen) == 0
+                               : !iso_level_gate_is_nearer(&levels[1].best[i], &seen, 1));
+        }
+        iso_level_gate_close(&gate);
+    }
+    char *names = iso_level_scene_names(&p);
+    assert_string_equal(names, "surface.scene.json, shell.scene.json");
+    free(names);
+    iso_tf_table_destroy(&own[0]);
+    iso_tf_table_destroy(&own[1]);
 }
 
 TEST(a_damaged_table_is_refused)

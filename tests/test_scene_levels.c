@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "fit/extinction_scale.h"
 #include "folder.h"
@@ -114,22 +115,6 @@ TEST(what_is_no_clear_gain_is_not_chosen)
     assert_int_equal(iso_scene_level_choose(c), BUILT);
 }
 
-/* An optimized level has to pass the best of the others, not the level as built. */
-TEST(an_optimized_level_has_to_be_nearer_than_the_best)
-{
-    iso_level_candidate c[ISO_LEVEL_WAY_COUNT] = {{0}};
-    set(&c[BUILT], 0.10, 0.05);
-    set(&c[DAMPED_SCALED], 0.08, 0.05);
-    set(&c[OPTIMIZED], 0.09, 0.04);
-    assert_int_equal(iso_scene_level_choose(c), DAMPED_SCALED);
-    set(&c[OPTIMIZED], 0.07, 0.051);
-    assert_int_equal(iso_scene_level_choose(c), DAMPED_SCALED);
-    set(&c[OPTIMIZED], 0.07, 0.05);
-    assert_int_equal(iso_scene_level_choose(c), OPTIMIZED);
-    c[OPTIMIZED].seen.small_ssim_dissimilarity = 0.04;
-    assert_int_equal(iso_scene_level_choose(c), DAMPED_SCALED);
-}
-
 /* Scalars that look wrong lose, whatever they are called; those that look right win. */
 VALUES_TEST(small_views_see_a_planted_scalar)
 {
@@ -210,7 +195,7 @@ static iso_pyramid stored_ball(iso_scene_level levels[32])
     iso_pyramid p = ball_pyramid(40), loaded;
     const iso_scene scene = surface_scene();
     char *dir = iso_path_join(folder, "ball.iso");
-    assert_ok(iso_scene_levels_make(&p, 1, &scene, NULL, 2, levels, NULL, &err));
+    assert_ok(iso_scene_levels_make(&p, 1, &scene, 1, NULL, 2, levels, NULL, &err));
     assert_ok(iso_pyramid_save(&p, dir, &err));
     iso_pyramid_destroy(&p);
     assert_ok(iso_pyramid_load(dir, &loaded, &err));
@@ -225,8 +210,8 @@ TEST(a_sharp_surface_gets_levels_of_its_own)
     OWNED(iso_tf_table) tf;
     iso_level_scalar kinds[32];
     assert_int_equal(iso_level_ways[levels[2].chosen].scalar, ISO_LEVEL_FITTED);
-    assert_at_most(levels[2].candidates[levels[2].chosen].seen.ssim_dissimilarity,
-                   0.95 * levels[2].candidates[BUILT].seen.ssim_dissimilarity); /* .93 */
+    assert_at_most(levels[2].candidates[0][levels[2].chosen].seen.ssim_dissimilarity,
+                   0.95 * levels[2].candidates[0][BUILT].seen.ssim_dissimilarity); /* .93 */
     assert_at_most(levels[2].fit.error_end, levels[2].fit.error_start);
     assert_ok(iso_level_scalars_read(&p, &tf, kinds, &err));
     for (size_t k = 1; k < p.level_count; ++k)
@@ -266,7 +251,7 @@ TEST(its_extinction_scale_is_made_again)
     iso_level *l = &p.levels[1];
     OWNED(iso_tf_table) tf, own;
     uint8_t *scale;
-    assert_ok(iso_level_scene_tf(&p, &tf, &err));
+    assert_ok(iso_level_scene_tf(&p, 0, &tf, &err));
     assert_ok(iso_level_look(&p, 1, &tf, &own, NULL, &err));
     free(l->scale);
     l->scale = NULL;
@@ -281,6 +266,33 @@ TEST(its_extinction_scale_is_made_again)
     assert_ok(iso_fit_verify(&p, 2, checks, NULL, &err));
     assert_string_equal(checks[1].what, "extinction scale");
     assert_int_equal(checks[1].differing, 1);
+}
+
+/* Levels of two scenes that nothing optimizes: one scalar and one scale for both, made again from level 0. */
+TEST(two_scenes_share_a_scale)
+{
+    iso_scene scenes[2] = {surface_scene(), surface_scene()};
+    iso_tf_point fainter[4];
+    iso_scene_level levels[32];
+    iso_level_check checks[32];
+    OWNED(iso_pyramid) p = ball_pyramid(40);
+    memcpy(fainter, points, sizeof fainter);
+    fainter[2].opacity = fainter[3].opacity = 0.3;
+    assert_status(iso_scene_levels_make(&p, 1, scenes, 2, NULL, 2, levels, NULL, &err), ISO_E_USAGE); /* the same */
+    scenes[1].tf.points = fainter;
+    assert_ok(iso_scene_levels_make(&p, 1, scenes, 2, NULL, 2, levels, NULL, &err));
+    assert_non_null(p.levels[1].scale);
+    const double worst = fmax(iso_scene_level_ratio(&levels[1], 0), iso_scene_level_ratio(&levels[1], 1));
+    for (int way = BUILT; way < FITTED; ++way) {
+        levels[1].chosen = way;
+        assert_at_most(worst, fmax(iso_scene_level_ratio(&levels[1], 0), iso_scene_level_ratio(&levels[1], 1)));
+    }
+    assert_ok(iso_fit_verify(&p, 2, checks, NULL, &err));
+    for (size_t k = 1; k < p.level_count; ++k)
+        assert_null(checks[k].what);
+    json_object_del(p.made_for, "others"); /* as if the scale were the first scene's alone */
+    assert_ok(iso_fit_verify(&p, 2, checks, NULL, &err));
+    assert_string_equal(checks[1].what, "extinction scale");
 }
 
 /* What pyramid.json says is what is checked: neither a mean that calls itself fitted passes, nor another TF's fit. */

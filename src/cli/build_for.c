@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "base/json.h"
+#include "base/provenance.h"
 #include "options/visible.h"
 #include "plan/scene_levels.h"
 #include "scene/scene.h"
@@ -26,36 +27,58 @@ iso_status iso_cli_check_memory(const char *option, const char *volume, const is
     return status;
 }
 
-char *iso_cli_scene_level_text(const iso_scene_level *made, size_t level, char *text, size_t size)
+static const char *scene_name(const iso_scene *scene)
 {
-    const iso_level_candidate *chosen = &made->candidates[made->chosen];
-    const iso_level_way *way = &iso_level_ways[made->chosen];
-    int used = snprintf(text, size, "level %zu: %s%s%s, 1 - SSIM %.4f", level, iso_level_scalar_name(way->scalar),
-                        way->scaled ? ", scaled" : "", chosen->adapted ? ", under its own TF" : "",
-                        chosen->seen.ssim_dissimilarity);
-    const char *before = " (";
-    for (int i = 0; i < ISO_LEVEL_WAY_COUNT; ++i) {
-        const iso_level_candidate *c = &made->candidates[i];
-        if (c == chosen || !c->tried || used < 0 || (size_t)used >= size)
-            continue;
-        used += snprintf(text + used, size - (size_t)used, "%s%s%s %.4f", before,
-                         iso_level_scalar_name(iso_level_ways[i].scalar), iso_level_ways[i].scaled ? " scaled" : "",
-                         c->seen.ssim_dissimilarity);
-        before = ", ";
-    }
-    if (used > 0 && (size_t)used < size)
-        snprintf(text + used, size - (size_t)used, ")");
-    return text;
+    return scene->path ? iso_provenance_name(scene->path) : ISO_BUILD_FOR_FIRST;
 }
 
-static void print(const iso_build_for *b, const iso_pyramid *p, const iso_scene_level *levels)
+/* Prints "level 2: fitted, 1 - SSIM .041 (as-built .063, least-squares .049)", with several scenes for each of them. */
+static void print_level(const iso_build_for *b, const iso_scene *scenes, const iso_scene_level *made, size_t level)
 {
+    const iso_level_way *way = &iso_level_ways[made->chosen];
+    for (size_t s = 0; s < b->scene_count; ++s) {
+        const iso_level_candidate *chosen = &made->candidates[s][made->chosen];
+        const char *before = " (";
+        printf("level %zu: %s%s%s, 1 - SSIM %.4f", level, iso_level_scalar_name(way->scalar),
+               way->scaled ? ", scaled" : "", chosen->adapted ? ", under its own TF" : "",
+               chosen->seen.ssim_dissimilarity);
+        if (b->scene_count > 1)
+            printf(", %.2f of the best for %s alone", iso_scene_level_ratio(made, s), scene_name(&scenes[s]));
+        for (int i = 0; i < ISO_LEVEL_WAY_COUNT; ++i) {
+            const iso_level_candidate *c = &made->candidates[s][i];
+            if (c == chosen || !c->tried)
+                continue;
+            printf("%s%s%s %.4f", before, iso_level_scalar_name(iso_level_ways[i].scalar),
+                   iso_level_ways[i].scaled ? " scaled" : "", c->seen.ssim_dissimilarity);
+            before = ", ";
+        }
+        printf(")\n");
+    }
+}
+
+/* Warns of scenes that a level of their own would show better. */
+static void warn_of_ratio(const iso_build_for *b, const iso_scene *scenes, const iso_scene_level *made, size_t level)
+{
+    for (size_t s = 0; s < b->scene_count && !b->cli->quiet; ++s) {
+        if (!(iso_scene_level_ratio(made, s) > 1 + ISO_LEVEL_GATE_GAIN))
+            continue;
+        iso_progress_line_hide(b->cli->progress);
+        fprintf(stderr,
+                "isoshade build: warning: level %zu has %.2f times the 1 - SSIM of the best level for %s alone; build "
+                "a pyramid for it\n",
+                level, iso_scene_level_ratio(made, s), scene_name(&scenes[s]));
+    }
+}
+
+static void print(const iso_build_for *b, const iso_pyramid *p, const iso_scene *scenes, const iso_scene_level *levels)
+{
+    for (size_t k = 1; k < p->level_count; ++k)
+        warn_of_ratio(b, scenes, &levels[k], k);
     if (b->cli->json) {
         json_t *root = iso_cli_json(b->cli), *seconds = json_array();
         for (size_t k = 1; k < p->level_count; ++k)
             json_array_append_new(seconds, json_real(levels[k].seconds));
-        json_object_set_new(json_object_get(root, "options"), "for",
-                            json_string(b->look->scene ? b->look->scene : ISO_BUILD_FOR_FIRST));
+        json_object_set_new(json_object_get(root, "options"), "for", json_string(b->scenes));
         json_object_set_new(root, "output", json_string(b->output));
         json_object_set(root, "made_for", p->made_for);
         json_object_set_new(root, "seconds_of_levels", seconds);
@@ -67,10 +90,8 @@ static void print(const iso_build_for *b, const iso_pyramid *p, const iso_scene_
         printf("level %zu  %zu x %zu x %zu  %s  %.6g to %.6g\n", k, l->geometry.size[0], l->geometry.size[1],
                l->geometry.size[2], iso_type_name(l->stored_type), l->min, l->max);
     }
-    for (size_t k = 1; k < p->level_count; ++k) {
-        char text[256];
-        printf("%s\n", iso_cli_scene_level_text(&levels[k], k, text, sizeof text));
-    }
+    for (size_t k = 1; k < p->level_count; ++k)
+        print_level(b, scenes, &levels[k], k);
     printf("%s\n", b->output);
 }
 
@@ -96,16 +117,17 @@ static void note_signal(int number)
     stop = 1;
 }
 
-static iso_status make_levels(const iso_build_for *b, iso_pyramid *p, const iso_scene *scene, iso_scene_level *levels,
+static iso_status make_levels(const iso_build_for *b, iso_pyramid *p, const iso_scene *scenes, iso_scene_level *levels,
                               const iso_progress *progress, iso_error *err)
 {
     const iso_optimize_options opt = {.effort = b->effort, .seed = 1, .stop = &stop};
     struct sigaction own = {.sa_handler = note_signal, .sa_flags = SA_RESTART | SA_RESETHAND}, before;
     if (b->effort == ISO_EFFORT_NONE)
-        return iso_scene_levels_make(p, 1, scene, NULL, b->cli->threads, levels, progress, err);
+        return iso_scene_levels_make(p, 1, scenes, b->scene_count, NULL, b->cli->threads, levels, progress, err);
     sigemptyset(&own.sa_mask);
     sigaction(SIGINT, &own, &before);
-    const iso_status status = iso_scene_levels_make(p, 1, scene, &opt, b->cli->threads, levels, progress, err);
+    const iso_status status = iso_scene_levels_make(p, 1, scenes, b->scene_count, &opt, b->cli->threads, levels,
+                                                    progress, err);
     sigaction(SIGINT, &before, NULL);
     if (stop && !b->cli->quiet) {
         iso_progress_line_hide(b->cli->progress);
@@ -117,7 +139,7 @@ static iso_status make_levels(const iso_build_for *b, iso_pyramid *p, const iso_
 iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *opt, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(b->cli);
-    iso_scene scene = {0};
+    iso_scene scenes[ISO_SCENES_MOST] = {{.path = NULL}};
     iso_volume volume = {0};
     iso_pyramid p = {0};
     iso_scene_level levels[32];
@@ -126,13 +148,16 @@ iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *
     TRY(status, iso_volume_input_load(b->volume, b->input, &volume, err));
     TRY(status, iso_pyramid_build(&volume, b->volume, opt, &p, &progress, err));
     iso_volume_destroy(&volume);
-    TRY(status, iso_subject_make_scene(b->look, &p, &scene, err));
-    TRY(status, warn(b, &p, &scene, err));
-    TRY(status, make_levels(b, &p, &scene, levels, &progress, err));
+    for (size_t i = 0; i < b->scene_count; ++i) {
+        TRY(status, iso_subject_make_scene(&b->looks[i], &p, &scenes[i], err));
+        TRY(status, warn(b, &p, &scenes[i], err));
+    }
+    TRY(status, make_levels(b, &p, scenes, levels, &progress, err));
     TRY(status, iso_pyramid_save(&p, b->output, err));
     if (status == ISO_OK)
-        print(b, &p, levels);
+        print(b, &p, scenes, levels);
     iso_pyramid_destroy(&p);
-    iso_scene_destroy(&scene);
+    for (size_t i = 0; i < b->scene_count; ++i)
+        iso_scene_destroy(&scenes[i]);
     return status;
 }

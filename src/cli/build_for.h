@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* build_for.h - `isoshade build VOLUME --for SCENE|first`: levels that best show a scene or a first picture
+/* build_for.h - `isoshade build VOLUME --for SCENES|first`: levels that best show scenes or a first picture
  * (plan/scene_levels.h). */
 #pragma once
 
@@ -9,14 +9,15 @@
 #include "scene/subject.h"
 #include "volume/input.h"
 
-/* Value of --for instead of a scene file. */
+/* Value in --for's list instead of a scene file. */
 #define ISO_BUILD_FOR_FIRST "first"
 
 typedef struct iso_build_for {
     const iso_cli *cli;
     const iso_volume_input *input;
-    const iso_subject_look *look;
-    const char *volume, *output;
+    iso_subject_look looks[ISO_SCENES_MOST];
+    size_t scene_count;
+    const char *volume, *output, *scenes; /* scenes: as given */
     double memory_mb;
     iso_effort effort; /* of optimized levels */
 } iso_build_for;
@@ -28,7 +29,3 @@ iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *
  * memory_mb. */
 iso_status iso_cli_check_memory(const char *option, const char *volume, const iso_volume_input *input,
                                 iso_effort effort, double memory_mb, iso_error *err);
-
-/* Writes "level 2: fitted, 1 - SSIM .041 (as-built .063, least-squares .049)", for people. Returns text. */
-struct iso_scene_level;
-char *iso_cli_scene_level_text(const struct iso_scene_level *made, size_t level, char *text, size_t size);

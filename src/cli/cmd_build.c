@@ -240,6 +240,20 @@ static iso_status choose_filter(const build_job *job, iso_pyramid_options *opt, 
 }
 
 /* Builds levels for a scene, in memory and by one process. */
+/* Makes a look for each scene of the list. */
+static iso_status check_looks(const build_job *job, char *list, iso_subject_look *looks, size_t *count, iso_error *err)
+{
+    iso_cli_look asked = job->options->look;
+    iso_status status = list ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *rest = list, *name; status == ISO_OK && (name = strsep(&rest, ","));) {
+        if (*count == ISO_SCENES_MOST)
+            return iso_fail(err, ISO_E_USAGE, "--for: more than %d scenes", ISO_SCENES_MOST);
+        asked.scene = strcmp(name, ISO_BUILD_FOR_FIRST) == 0 ? NULL : name;
+        status = iso_cli_look_check(&asked, job->cli->threads, &looks[(*count)++], err);
+    }
+    return status;
+}
+
 static iso_status build_for(const build_job *job, iso_error *err)
 {
     const iso_cli *cli = job->cli;
@@ -252,16 +266,17 @@ static iso_status build_for(const build_job *job, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "--for: levels for a scene are made by one process, without MPI");
     char *output = in->output ? strdup(in->output) : default_output(path);
     iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    iso_cli_look asked = in->look;
-    iso_subject_look look;
-    asked.scene = strcmp(in->scene, ISO_BUILD_FOR_FIRST) == 0 ? NULL : in->scene;
+    iso_build_for with = {
+        cli, job->input, .volume = path, .output = output, .scenes = in->scene, .memory_mb = in->memory_mb};
+    char *list = strdup(in->scene);
     size_t effort = ISO_EFFORT_NORMAL;
     if (status == ISO_OK && in->effort)
         status = iso_names_find(&iso_effort_names, in->effort, &effort, err);
-    const iso_build_for with = {cli, job->input, &look, path, output, in->memory_mb, (iso_effort)effort};
-    TRY(status, iso_cli_look_check(&asked, cli->threads, &look, err));
+    with.effort = (iso_effort)effort;
+    TRY(status, check_looks(job, list, with.looks, &with.scene_count, err));
     TRY(status, choose_filter(job, &opt, err));
     TRY(status, iso_cli_build_for(&with, &opt, err));
+    free(list);
     free(output);
     return status;
 }
@@ -317,7 +332,7 @@ static const iso_option options[] = {
     {"direction-filter", 0, "direction filter of the list below (moments)", "NAME",
      ISO_IN(build_options, direction_filter)},
     {"code", 0, "direction code of the list below (fit)", "NAME", ISO_IN(build_options, code)},
-    {"for", 0, "make coarse levels for this scene, or for the volume's first picture", "SCENE|first",
+    {"for", 0, "make coarse levels for these scenes, or for the volume's first picture", "SCENE,SCENE|first",
      ISO_IN(build_options, scene)},
     {"effort", 0, "--for: time for optimized levels (normal)", "none|fast|normal|best", ISO_IN(build_options, effort)},
     {"frames", 0, "build a pyramid of each time step, with one range of values", "all", ISO_IN(build_options, frames)},
@@ -386,6 +401,8 @@ const iso_command iso_command_build = {
         "With --for each coarse level is the one that shows this scene most like level 0: as built, by least squares,\n"
         "damped, fitted to the scene's transfer function, or optimized by rendering; adapted, or with an extinction\n"
         "scale. Pictures of each decide, and commands show it so. Ctrl-C ends optimizing and keeps the best so far.\n"
+        "For several scenes, with transfer functions of one study, each level has a transfer function for each.\n"
+        "For each scene the error is printed as a part of that of the best level for it alone.\n"
         "Such levels are made in memory, and suit other scenes less well (doc/method/scene-levels.md). Bricks\n"
         "(isoshade plan) do not need them. --effort none keeps levels that info --verify can make again from level 0.\n"
         "With --auto scalars are damped and directions as with --direction-filter auto. Show such levels with --adapt\n"
@@ -393,12 +410,15 @@ const iso_command iso_command_build = {
     .common =
         "output levels for effort auto scalar-filter direction-filter estimator code memory resume spacing frame channel "
         "threads",
-    .examples = "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
-                "  isoshade build v.nrrd -o v.iso --levels 4\n"
-                "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n"
-                "  isoshade build v.nrrd -o ls.iso --scalar-filter least-squares\n"
-                "  isoshade build v.nrrd -o for.iso --for refscenes/marschner-lobb.scene.json --effort fast\n"
-                "  isoshade build v.nrrd -o auto.iso --auto --levels 3\n",
+    .examples =
+        "  isoshade make marschner-lobb --size 40x56x33 --spacing 1x1x2.5 -o v.nrrd\n"
+        "  isoshade build v.nrrd -o v.iso --levels 4\n"
+        "  isoshade build v.nrrd -o eq1.iso --direction-filter eq1 --gauss-radius 2 --gauss-sigma 1\n"
+        "  isoshade build v.nrrd -o ls.iso --scalar-filter least-squares\n"
+        "  isoshade build v.nrrd -o for.iso --for refscenes/marschner-lobb.scene.json --effort fast\n"
+        "  isoshade build v.nrrd -o two.iso --for refscenes/marschner-lobb.scene.json,refscenes/solid.scene.json "
+                "--effort fast\n"
+        "  isoshade build v.nrrd -o auto.iso --auto --levels 3\n",
     .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names,
                                         &iso_code_names, &iso_tf_preset_names, NULL},
     ISO_COMMAND_OPTIONS(build_options, options, .levels = 4, .gauss_radius = 2, .eq1_exponent = 1, .gauss_sigma = 1,

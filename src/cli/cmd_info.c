@@ -14,6 +14,7 @@
 #include "options/input.h"
 #include "pyramid/agreement.h"
 #include "tf/histogram_verify.h"
+#include "tf/level_look.h"
 #include "volume/format.h"
 #include "volume/segments.h"
 #include "volume/overview.h"
@@ -273,9 +274,10 @@ static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const v
 static void print_made_for(const iso_pyramid *p)
 {
     const json_t *levels = json_object_get(p->made_for, "levels"), *level;
-    const char *scene = json_string_value(json_object_get(p->made_for, "scene"));
+    char *scenes = iso_level_scene_names(p);
     size_t i;
-    printf("  made for   %s:", scene ? scene : "a scene without a name");
+    printf("  made for   %s:", scenes ? scenes : "?");
+    free(scenes);
     json_array_foreach (levels, i, level) {
         const char *scalar = json_string_value(json_object_get(level, "scalar"));
         printf("%s level %d %s", i > 0 ? "," : "", (int)json_integer_value(json_object_get(level, "level")),

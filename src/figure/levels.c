@@ -24,7 +24,7 @@ static iso_status optimize_levels(iso_figure_subject *s, size_t first, iso_error
 {
     const iso_optimize_options opt = {.effort = ISO_EFFORT_NORMAL, .seed = 1};
     const iso_progress progress = iso_cli_progress(s->job->cli);
-    return iso_scene_levels_make(&s->pyramid, first, &s->scene, &opt, s->job->cli->threads, NULL, &progress, err);
+    return iso_scene_levels_make(&s->pyramid, first, &s->scene, 1, &opt, s->job->cli->threads, NULL, &progress, err);
 }
 
 static iso_status render(void *user, size_t column, size_t width, size_t height, iso_image *image, double *mm_per_pixel,
@@ -47,8 +47,10 @@ static iso_status choose_levels(const iso_figure_job *job, shown *s, iso_figure_
     const bool both = !strcmp(methods, "default,optimized"), plain = both || !strcmp(methods, "default");
     const size_t count = job->levels ? (size_t)job->levels : USUAL_LEVELS;
     if (!plain && strcmp(methods, "optimized") != 0)
-        return iso_fail(err, ISO_E_USAGE, "--methods is \"%s\", levels of a volume are default, optimized or "
-                                          "default,optimized", methods);
+        return iso_fail(err, ISO_E_USAGE,
+                        "--methods is \"%s\", levels of a volume are default, optimized or "
+                        "default,optimized",
+                        methods);
     for (size_t i = 0; i < 2 * count; ++i) {
         const bool is_optimized = i % 2 == 1;
         if (is_optimized ? i == 1 || (plain && !both) : i > 0 && !plain)
@@ -161,9 +163,14 @@ static const method methods[] = {
     {"moments+adapted", "moments, adapted TF", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES, ADAPTED},
     {"optimized", "optimized for the scene", ISO_DIRECTION_MOMENTS, ISO_FROM_CODES, FOR_SCENE},
 };
-static const iso_names method_names = {
-    "method", "methods", methods, ISO_NAMES_COUNT(methods), sizeof methods[0], offsetof(method, name), offsetof(method, title),
-    false};
+static const iso_names method_names = {"method",
+                                       "methods",
+                                       methods,
+                                       ISO_NAMES_COUNT(methods),
+                                       sizeof methods[0],
+                                       offsetof(method, name),
+                                       offsetof(method, title),
+                                       false};
 enum { MOST_METHODS = ISO_NAMES_COUNT(methods), USUAL_LEVEL = 2 };
 
 const char *iso_figure_method_words(const char *name)

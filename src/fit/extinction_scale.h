@@ -52,6 +52,12 @@ typedef struct iso_extinction_scale_cost {
 iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_table *original, const iso_tf_table *own,
                                        uint8_t *bytes, iso_extinction_scale_cost *cost, iso_error *err);
 
+/* Returns the byte of the geometric mean of `count` scales from the sum of their bytes. */
+static inline uint8_t iso_extinction_scale_mean(size_t sum, size_t count)
+{
+    return (uint8_t)((2 * sum + count) / (2 * count));
+}
+
 /* Does all of it for one level of a pyramid: *bytes is allocated, to be freed; NULL for level 0. Copies the scale of a
  * level that was made for `original` (tf/level_look.h) or is optimized: 168 if it has none, or if `own` is adapted to an
  * optimized one, which replaces its scale. */

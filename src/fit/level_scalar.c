@@ -161,7 +161,7 @@ iso_status iso_level_scalars_read(const iso_pyramid *p, iso_tf_table *tf, iso_le
     for (size_t i = 0; i < json_array_size(levels) && r.status == ISO_OK; ++i)
         read_level(&r, json_array_get(levels, i), p, kinds);
     iso_status status = r.status;
-    TRY(status, iso_level_scene_tf(p, tf, err));
+    TRY(status, iso_level_scene_tf(p, 0, tf, err));
     return status;
 }
 
@@ -192,27 +192,41 @@ static void compare(const iso_level *l, const float *made, iso_level_check *chec
     }
 }
 
-/* Makes a level's extinction scale again. */
-static iso_status compare_scale(const iso_pyramid *p, size_t level, const iso_tf_table *tf, int threads,
-                                iso_level_check *check, iso_error *err)
+/* Makes a scene's extinction scale of a level again and adds it to the sums. */
+static iso_status add_scale(const iso_pyramid *p, size_t level, size_t scene, iso_extinction_scaler *scaler,
+                            uint8_t *made, size_t *sums, iso_error *err)
+{
+    iso_tf_table tf = {0}, own = {0};
+    iso_status status = iso_level_scene_tf(p, scene, &tf, err);
+    TRY(status, iso_level_look(p, level, &tf, &own, NULL, err));
+    TRY(status, iso_extinction_scaler_apply(scaler, &tf, &own, made, NULL, err));
+    for (size_t i = 0; i < iso_geometry_voxel_count(&p->levels[level].geometry) && status == ISO_OK; ++i)
+        sums[i] += made[i];
+    iso_tf_table_destroy(&tf);
+    iso_tf_table_destroy(&own);
+    return status;
+}
+
+/* Makes a level's extinction scale again: the mean of those for its scenes. */
+static iso_status compare_scale(const iso_pyramid *p, size_t level, int threads, iso_level_check *check, iso_error *err)
 {
     const iso_level *l = &p->levels[level];
-    const size_t bytes = iso_geometry_voxel_count(&l->geometry);
+    const size_t bytes = iso_geometry_voxel_count(&l->geometry), scenes = iso_level_scene_count(p);
     iso_extinction_scaler *scaler = NULL;
-    iso_tf_table own = {0};
     if (!l->scale)
         return ISO_OK;
     uint8_t *made = malloc(bytes);
-    iso_status status = made ? iso_level_look(p, level, tf, &own, NULL, err)
-                             : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bytes", bytes);
+    size_t *sums = calloc(bytes, sizeof *sums);
+    iso_status status = made && sums ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu voxels", bytes);
     TRY(status, iso_extinction_scaler_create(&p->levels[0], l, level, threads, &scaler, err));
-    TRY(status, iso_extinction_scaler_apply(scaler, tf, &own, made, NULL, err));
+    for (size_t i = 0; i < scenes; ++i)
+        TRY(status, add_scale(p, level, i, scaler, made, sums, err));
     for (size_t i = 0; i < bytes && status == ISO_OK; ++i)
-        if (l->scale[i] != made[i])
+        if (l->scale[i] != iso_extinction_scale_mean(sums[i], scenes))
             note(l, i, "extinction scale", check);
     iso_extinction_scaler_destroy(scaler);
-    iso_tf_table_destroy(&own);
     free(made);
+    free(sums);
     return status;
 }
 
@@ -241,7 +255,7 @@ iso_status iso_fit_verify(const iso_pyramid *p, int threads, iso_level_check *ch
                 compare(&p->levels[k], made[fitted], &checks[k]);
         }
         if (status == ISO_OK && kinds[k] != ISO_LEVEL_OPTIMIZED)
-            status = compare_scale(p, k, &tf, threads, &checks[k], err);
+            status = compare_scale(p, k, threads, &checks[k], err);
         free(made[0]);
         free(made[1]);
     }

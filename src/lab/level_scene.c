@@ -51,7 +51,7 @@ static iso_status take_look(const iso_pyramid *p, const iso_level_subject *s, is
     const bool is_edited = !iso_tf_table_equals(s->tf, s->before);
     iso_adapt_options opt = iso_adapt_defaults();
     iso_tf_table scene = {0};
-    iso_status status = iso_level_scene_tf(p, &scene, err);
+    iso_status status = iso_level_scene_tf(p, 0, &scene, err);
     opt.threads = s->threads;
     iso_tf_table_destroy(&shown->tf);
     if (status == ISO_OK && is_edited)
@@ -91,7 +91,7 @@ static iso_status make_for_scene(const iso_level_subject *s, iso_effort effort, 
         with.levels = levels;
         with.level_count = s->level + 1;
         with.made_for = NULL;
-        status = iso_scene_levels_make(&with, s->level, &scene, &opt, s->threads, NULL, NULL, err);
+        status = iso_scene_levels_make(&with, s->level, &scene, 1, &opt, s->threads, NULL, NULL, err);
         TRY(status, take_look(&with, s, shown, err));
         scalar = levels[s->level].scalar; /* both are replaced if the first ones were not the best */
         codes = levels[s->level].codes;

@@ -8,6 +8,7 @@
 #include "fit/extinction_scale.h"
 #include "options/cli.h"
 #include "scene/level_view.h"
+#include "tf/level_look.h"
 #include "tf/ghost.h"
 
 const iso_option iso_adapt_method_rows[] = {
@@ -153,14 +154,15 @@ static iso_status check_together(const iso_cli_adapted *a, iso_error *err)
 /* Reports that a level was made for another transfer function than the view's. */
 static void warn_of_other_tf(const iso_cli_adapted *a, const iso_pyramid *p, size_t level)
 {
-    const char *scene = json_string_value(json_object_get(p->made_for, "scene"));
     if (!a->cli || a->cli->quiet)
         return;
+    char *scenes = iso_level_scene_names(p);
     iso_progress_line_hide(a->cli->progress);
     fprintf(stderr,
             "isoshade %s: warning: level %zu was made for the transfer function of %s and looks less like level 0 "
             "under another one; build without --for, or for this scene\n",
-            a->cli->command->name, level, scene ? scene : "another scene");
+            a->cli->command->name, level, scenes && *scenes ? scenes : "another scene");
+    free(scenes);
 }
 
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,

@@ -20,11 +20,21 @@ bool iso_level_gate_is_better(const iso_level_seen *built, const iso_level_seen 
     return good;
 }
 
-bool iso_level_gate_is_nearer(const iso_level_seen *a, const iso_level_seen *b)
+bool iso_level_gate_is_nearer(const iso_level_seen *a, const iso_level_seen *b, size_t count)
 {
     const double most = 1 - ISO_LEVEL_GATE_GAIN;
-    return b->ssim_dissimilarity <= most * a->ssim_dissimilarity && b->rmse <= a->rmse &&
-           b->small_ssim_dissimilarity <= most * a->small_ssim_dissimilarity && b->small_rmse <= a->small_rmse;
+    double means[4] = {1, 1, 1, 1}; /* geometric */
+    bool good = true;
+    for (size_t i = 0; i < count; ++i) {
+        const double ratios[4] = {b[i].ssim_dissimilarity / a[i].ssim_dissimilarity,
+                                  b[i].small_ssim_dissimilarity / a[i].small_ssim_dissimilarity, b[i].rmse / a[i].rmse,
+                                  b[i].small_rmse / a[i].small_rmse};
+        for (int k = 0; k < 4; ++k) {
+            good = good && ratios[k] <= 1 + ISO_LEVEL_GATE_GAIN;
+            means[k] *= pow(ratios[k], 1 / (double)count);
+        }
+    }
+    return good && means[0] <= most && means[1] <= most && means[2] <= 1 && means[3] <= 1;
 }
 
 /* ---- views ------------------------------------------------------------------------------------------------------ */

@@ -47,9 +47,10 @@ iso_status iso_level_gate_look(iso_level_gate *gate, size_t level, const iso_sho
 #define ISO_LEVEL_GATE_GAIN 0.02
 #define ISO_LEVEL_GATE_RMSE_LOSS 0.15
 bool iso_level_gate_is_better(const iso_level_seen *built, const iso_level_seen *other);
-/* True if an optimized level, which nothing makes again, may replace a: its 1 - SSIM is less by ISO_LEVEL_GATE_GAIN and
- * its RMSE is not more, in both sizes. */
-bool iso_level_gate_is_nearer(const iso_level_seen *a, const iso_level_seen *optimized);
+/* True if an optimized level, which nothing makes again, may replace those that are best for each of `count` scenes. In
+ * both sizes, over the scenes, its 1 - SSIM is less by ISO_LEVEL_GATE_GAIN and its RMSE is not more; in no scene is any
+ * of these more by ISO_LEVEL_GATE_GAIN. */
+bool iso_level_gate_is_nearer(const iso_level_seen *best, const iso_level_seen *optimized, size_t count);
 
 /* Averages squares of 2^level pixels. ISO_E_MEMORY. */
 iso_status iso_gate_minify(const iso_image *from, size_t level, iso_image *to, iso_error *err);

@@ -40,7 +40,8 @@ const iso_names iso_effort_names = ISO_NAMES_OF_ROWS("effort", efforts);
 /* A picture of level 0: sRGB and alpha in 16 bits. */
 typedef struct picture {
     iso_view view;
-    bool is_edited; /* its transfer function, under which the level has to be shown, too */
+    size_t scene;
+    bool is_edited;         /* its transfer function, under which the level has to be shown, too */
     uint16_t *rgba, *small; /* small: averaged, so that a pixel is a voxel of the level */
 } picture;
 
@@ -62,17 +63,17 @@ typedef struct patch {
 typedef struct training {
     const iso_pyramid *p;
     const iso_optimize_options *opt;
-    const iso_shown_level *start;
+    const iso_shown_level *starts; /* in each scene */
     const iso_geometry *geometry;
     size_t level, box, small_side; /* box: side of the squares of pixels that are averaged for pictures in small */
     size_t voxels, view_count, side, patch_count, steps, patches_per_step;
     picture pictures[MOST_VIEWS];
     patch *patches;         /* those of the pictures that show something, and some that show nothing */
     float *field, *octaves; /* 4 per voxel; 1 */
-    iso_tf_table tf;
-    float *moments, *octave_moments, *tf_moments; /* 2 per number */
+    iso_tf_table tfs[ISO_SCENES_MOST];
+    float *moments, *octave_moments, *tf_moments[ISO_SCENES_MOST]; /* 2 per number */
     float *gradients[BUFFERS], *octave_gradients[BUFFERS];
-    double *tf_gradients[BUFFERS];
+    double *tf_gradients[ISO_SCENES_MOST][BUFFERS];
     float range, lo, hi;
     iso_random random;
 } training;
@@ -89,12 +90,14 @@ static uint16_t *encode_picture(const iso_image *image, iso_error *err)
     return rgba;
 }
 
-static iso_status draw_truth(training *t, const iso_scene *scene, size_t i, iso_error *err)
+/* Draws picture i. Four in a row are of one scene: its own light, an edited transfer function, two random lights. */
+static iso_status draw_truth(training *t, const iso_scene *scenes, size_t i, iso_error *err)
 {
     picture *c = &t->pictures[i];
     iso_cpu_options opt = iso_cpu_defaults();
     iso_image image = {0}, small = {0};
-    iso_status status = iso_gate_random_view(t->p, scene, i % 4 == 0, &t->random, &c->view, err);
+    c->scene = i / 4 % t->opt->scene_count;
+    iso_status status = iso_gate_random_view(t->p, &scenes[c->scene], i % 4 == 0, &t->random, &c->view, err);
     if (status == ISO_OK && i % 4 == 1 && !t->opt->only_tf)
         edit_tf(c, (double)t->range, &t->random);
     opt.threads = t->opt->threads;
@@ -152,11 +155,11 @@ static iso_status learn_patch(const training *t, const patch *at, uint32_t seed,
     const iso_adjoint_tile tile = {.x = at->x, .y = at->y, .seed = seed};
     const iso_patch_truth truth = {c->rgba, c->small, t->side, t->small_side, t->box, at->x, at->y};
     const iso_adjoint_gradient gradient = {t->gradients[b], t->octave_gradients[b],
-                                           c->is_edited ? NULL : t->tf_gradients[b]};
+                                           c->is_edited ? NULL : t->tf_gradients[c->scene][b]};
     iso_view view = c->view; /* borrowed */
     float rgba[4 * PIXELS], slopes[4 * PIXELS];
     if (!c->is_edited)
-        view.tf = t->tf;
+        view.tf = t->tfs[c->scene];
     iso_status status = iso_adjoint_draw(&field, &view, &tile, rgba, err);
     if (status == ISO_OK)
         *loss += iso_patch_loss(&truth, rgba, slopes);
@@ -203,21 +206,21 @@ static void move_voxel(const training *t, size_t voxel, const pace *p)
                      (float)iso_extinction_scale_log2(ISO_EXTINCTION_SCALE_LAST));
 }
 
-/* Moves the transfer function: colors, and the logarithm of the extinction. An entry that shows nothing stays so. */
-static void move_tf(const training *t, const pace *p)
+/* Moves a scene's transfer function: colors, and the logarithm of the extinction. An entry that shows nothing stays
+ * so. */
+static void move_tf(const training *t, size_t scene, const pace *p)
 {
-    for (size_t i = 0; i < 4 * t->tf.count; ++i) {
-        float *x = &t->tf.entries[i];
+    for (size_t i = 0; i < 4 * t->tfs[scene].count; ++i) {
+        float *x = &t->tfs[scene].entries[i], *moments = t->tf_moments[scene] + 2 * i;
         double sum = 0;
         for (int b = 0; b < BUFFERS; ++b) {
-            sum += t->tf_gradients[b][i];
-            t->tf_gradients[b][i] = 0;
+            sum += t->tf_gradients[scene][b][i];
+            t->tf_gradients[scene][b][i] = 0;
         }
         if (i % 4 == 3)
-            *x = fminf(*x * expf(-way_of(p, t->tf_moments + 2 * i, (float)sum * *x, EXTINCTION_RATE)),
-                       (float)ISO_TF_MOST_EXTINCTION);
+            *x = fminf(*x * expf(-way_of(p, moments, (float)sum * *x, EXTINCTION_RATE)), (float)ISO_TF_MOST_EXTINCTION);
         else
-            *x = fminf(fmaxf(*x - way_of(p, t->tf_moments + 2 * i, (float)sum, COLOR_RATE), 0), 1);
+            *x = fminf(fmaxf(*x - way_of(p, moments, (float)sum, COLOR_RATE), 0), 1);
     }
 }
 
@@ -244,7 +247,8 @@ static iso_status step(training *t, size_t number, double *loss, iso_error *err)
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t i = 0; i < (t->opt->only_tf ? 0 : t->voxels); ++i)
         move_voxel(t, i, &p);
-    move_tf(t, &p);
+    for (size_t i = 0; i < t->opt->scene_count; ++i)
+        move_tf(t, i, &p);
     free(chosen);
     *loss = 0;
     for (int b = 0; b < BUFFERS; ++b) {
@@ -259,29 +263,35 @@ static iso_status step(training *t, size_t number, double *loss, iso_error *err)
 
 static bool allocate(training *t)
 {
-    const size_t numbers = 4 * t->tf.count;
     bool complete = (t->field = malloc(4 * t->voxels * sizeof(float))) != NULL;
     complete = (t->octaves = calloc(t->voxels, sizeof(float))) && complete;
     complete = (t->moments = calloc(8 * t->voxels, sizeof(float))) && complete;
     complete = (t->octave_moments = calloc(2 * t->voxels, sizeof(float))) && complete;
-    complete = (t->tf_moments = calloc(2 * numbers, sizeof(float))) && complete;
     for (int b = 0; b < BUFFERS; ++b) {
         complete = (t->gradients[b] = calloc(4 * t->voxels, sizeof(float))) && complete;
         complete = (t->octave_gradients[b] = calloc(t->voxels, sizeof(float))) && complete;
-        complete = (t->tf_gradients[b] = calloc(numbers, sizeof(double))) && complete;
+    }
+    for (size_t i = 0; i < t->opt->scene_count; ++i) {
+        const size_t numbers = 4 * t->tfs[i].count;
+        complete = (t->tf_moments[i] = calloc(2 * numbers, sizeof(float))) && complete;
+        for (int b = 0; b < BUFFERS; ++b)
+            complete = (t->tf_gradients[i][b] = calloc(numbers, sizeof(double))) && complete;
     }
     return complete;
 }
 
 static iso_status begin(training *t, iso_error *err)
 {
-    const iso_level *level = t->start->level, *level0 = &t->p->levels[0];
+    const iso_level *level = t->starts->level, *level0 = &t->p->levels[0];
     t->voxels = iso_geometry_voxel_count(&level->geometry);
     t->range = (float)(level0->max - level0->min);
     t->lo = (float)level0->min - 0.5f * t->range;
     t->hi = (float)level0->max + 0.5f * t->range;
-    const iso_status status = iso_tf_table_copy(t->start->tf, &t->tf, err);
-    t->tf.point_count = 0; /* its entries become its own */
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < t->opt->scene_count; ++i) {
+        TRY(status, iso_tf_table_copy(t->starts[i].tf, &t->tfs[i], err));
+        t->tfs[i].point_count = 0; /* its entries become its own */
+    }
     if (status != ISO_OK)
         return status;
     float *directions = malloc(3 * t->voxels * sizeof *directions);
@@ -291,7 +301,7 @@ static iso_status begin(training *t, iso_error *err)
         for (size_t i = 0; i < t->voxels; ++i) {
             t->field[4 * i] = level->scalar[i];
             memcpy(t->field + 4 * i + 1, directions + 3 * i, 3 * sizeof(float));
-            t->octaves[i] = t->start->scale ? (float)iso_extinction_scale_log2(t->start->scale[i]) : 0;
+            t->octaves[i] = t->starts->scale ? (float)iso_extinction_scale_log2(t->starts->scale[i]) : 0;
         }
     }
     free(directions);
@@ -308,15 +318,18 @@ static void end(training *t)
     for (int b = 0; b < BUFFERS; ++b) {
         free(t->gradients[b]);
         free(t->octave_gradients[b]);
-        free(t->tf_gradients[b]);
+    }
+    for (size_t i = 0; i < ISO_SCENES_MOST; ++i) {
+        for (int b = 0; b < BUFFERS; ++b)
+            free(t->tf_gradients[i][b]);
+        free(t->tf_moments[i]);
+        iso_tf_table_destroy(&t->tfs[i]);
     }
     free(t->patches);
     free(t->field);
     free(t->octaves);
     free(t->moments);
     free(t->octave_moments);
-    free(t->tf_moments);
-    iso_tf_table_destroy(&t->tf);
 }
 
 /* Takes as many patches per step as the level's voxels need: a ray has about 1.3 samples per voxel of the level's
@@ -367,8 +380,8 @@ static iso_status quantize(training *t, iso_optimized *out, iso_error *err)
         out->scale[i] = iso_extinction_scale_byte((double)t->octaves[i]);
     }
     iso_code_encode(t->p->options.code, out->directions, out->codes, t->voxels);
-    out->tf = t->tf;
-    t->tf = (iso_tf_table){0};
+    memcpy(out->tfs, t->tfs, sizeof out->tfs);
+    memset(t->tfs, 0, sizeof t->tfs);
     return ISO_OK;
 }
 
@@ -382,9 +395,9 @@ static iso_status check(const iso_pyramid *p, iso_error *err)
                           iso_code_describe(p->options.code)->name);
 }
 
-iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scene *scene, const iso_shown_level *start,
-                              const iso_optimize_options *opt, iso_optimized *out, const iso_progress *progress,
-                              iso_error *err)
+iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scene *scenes,
+                              const iso_shown_level *starts, const iso_optimize_options *opt, iso_optimized *out,
+                              const iso_progress *progress, iso_error *err)
 {
     const double began = iso_clock_seconds();
     *out = (iso_optimized){0};
@@ -393,13 +406,13 @@ iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scen
     if (!t)
         return iso_fail(err, ISO_E_MEMORY, "optimize: out of memory");
     *t = (training){
-        .p = p, .opt = opt, .start = start, .geometry = &p->levels[level].geometry, .random = {.state = opt->seed}};
+        .p = p, .opt = opt, .starts = starts, .geometry = &p->levels[level].geometry, .random = {.state = opt->seed}};
     t->view_count = efforts[opt->effort].views;
     t->level = level < 5 ? level : 5; /* a box is at most a patch */
     t->box = (size_t)1 << t->level;
     iso_status status = begin(t, err);
     for (size_t i = 0; i < t->view_count; ++i)
-        TRY(status, draw_truth(t, scene, i, err));
+        TRY(status, draw_truth(t, scenes, i, err));
     TRY(status, list_patches(t, err));
     out->seconds_truth = iso_clock_seconds() - began;
     plan_steps(t);
@@ -421,7 +434,8 @@ void iso_optimized_destroy(iso_optimized *o)
     free(o->directions);
     free(o->codes);
     free(o->scale);
-    iso_tf_table_destroy(&o->tf);
+    for (size_t i = 0; i < ISO_SCENES_MOST; ++i)
+        iso_tf_table_destroy(&o->tfs[i]);
     *o = (iso_optimized){0};
 }
 
@@ -433,16 +447,17 @@ iso_status iso_optimize_tf(iso_level_gate *gate, size_t level, const iso_scene *
     iso_optimize_options own = *opt;
     iso_status status = iso_level_gate_look(gate, level, start, &seen[0], err);
     own.only_tf = true;
+    own.scene_count = 1;
     *tf = (iso_tf_table){0};
     for (size_t i = 0; i < sizeof rates / sizeof *rates && status == ISO_OK && !tf->entries; ++i) {
         iso_optimized o = {0};
         own.rate = rates[i];
         status = iso_optimize_level(gate->p, level, scene, start, &own, &o, progress, err);
         TRY(status,
-            iso_level_gate_look(gate, level, &(iso_shown_level){start->level, &o.tf, start->scale}, &seen[1], err));
-        if (status == ISO_OK && iso_level_gate_is_nearer(&seen[0], &seen[1])) {
-            *tf = o.tf;
-            o.tf = (iso_tf_table){0};
+            iso_level_gate_look(gate, level, &(iso_shown_level){start->level, &o.tfs[0], start->scale}, &seen[1], err));
+        if (status == ISO_OK && iso_level_gate_is_nearer(&seen[0], &seen[1], 1)) {
+            *tf = o.tfs[0];
+            o.tfs[0] = (iso_tf_table){0};
         }
         iso_optimized_destroy(&o);
     }

@@ -25,9 +25,13 @@ int iso_scene_level_choose(const iso_level_candidate c[WAYS])
         if (c[i].tried && iso_level_gate_is_better(&c[0].seen, &c[i].seen) &&
             c[i].seen.ssim_dissimilarity < c[best].seen.ssim_dissimilarity)
             best = i;
-    return c[ISO_LEVEL_WAY_OPTIMIZED].tried && iso_level_gate_is_nearer(&c[best].seen, &c[ISO_LEVEL_WAY_OPTIMIZED].seen)
-               ? ISO_LEVEL_WAY_OPTIMIZED
-               : best;
+    return best;
+}
+
+double iso_scene_level_ratio(const iso_scene_level *made, size_t scene)
+{
+    const double best = made->best[scene].ssim_dissimilarity;
+    return best > 0 ? made->candidates[scene][made->chosen].seen.ssim_dissimilarity / best : 1;
 }
 
 /* ---- ways to show a level --------------------------------------------------------------------------------------- */
@@ -150,38 +154,127 @@ static iso_status make_scalars(const iso_level_gate *gate, size_t level, float *
     return ISO_OK;
 }
 
-/* Judges all ways but the last, and lets the level have the scalar and the scale of the nearest. */
-static iso_status make_level(iso_pyramid *p, size_t level, iso_level_gate *gate, iso_scene_level *made, look *best,
-                             iso_error *err)
+/* Frees all but the level's own. */
+static void free_scalars(float *scalars[ISO_LEVEL_SCALAR_COUNT])
 {
-    iso_level *l = &p->levels[level];
+    for (int i = ISO_LEVEL_AS_BUILT + 1; i < ISO_LEVEL_SCALAR_COUNT; ++i) {
+        free(scalars[i]);
+        scalars[i] = NULL;
+    }
+}
+
+/* A level in all scenes. */
+typedef struct making {
+    iso_pyramid *p;
+    size_t level, scene_count;
+    const iso_scene *scenes;
+    iso_level_gate *gates; /* of each scene */
+    look best[ISO_SCENES_MOST];
+    iso_scene_level *made;
+} making;
+
+static void forget_all(const making *m, look *looks)
+{
+    for (size_t i = 0; i < m->scene_count; ++i)
+        forget(&looks[i]);
+}
+
+/* Gives all looks the mean of their scales. */
+static void share_scale(const making *m, look *looks)
+{
+    for (size_t v = 0; v < iso_geometry_voxel_count(&looks->level.geometry); ++v) {
+        size_t sum = 0;
+        for (size_t i = 0; i < m->scene_count; ++i)
+            sum += looks[i].scale[v];
+        for (size_t i = 0; i < m->scene_count; ++i)
+            looks[i].scale[v] = iso_extinction_scale_mean(sum, m->scene_count);
+    }
+}
+
+/* Judges a way in all scenes. */
+static iso_status judge_shared(const making *m, int way, float *scalar, look *looks, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < m->scene_count; ++i)
+        TRY(status, make_look(&m->gates[i], m->level, scalar, iso_level_ways[way].scaled, &looks[i], err));
+    if (status == ISO_OK && iso_level_ways[way].scaled)
+        share_scale(m, looks);
+    for (size_t i = 0; i < m->scene_count; ++i) {
+        m->made->candidates[i][way].adapted = looks[i].adapted;
+        TRY(status, iso_level_gate_look(&m->gates[i], m->level,
+                                        &(iso_shown_level){&looks[i].level, &looks[i].tf, looks[i].scale},
+                                        &m->made->candidates[i][way].seen, err));
+    }
+    return status;
+}
+
+/* Chooses the way that several scenes can share. A fitted level is of one scene. */
+static iso_status choose_shared(making *m, float *const scalars[ISO_LEVEL_SCALAR_COUNT], iso_error *err)
+{
+    iso_status status = ISO_OK;
+    int chosen = ISO_LEVEL_WAY_BUILT;
+    double least = INFINITY;
+    for (int way = 0; way < ISO_LEVEL_WAY_OPTIMIZED && status == ISO_OK; ++way) {
+        const iso_level_scalar kind = iso_level_ways[way].scalar;
+        look looks[ISO_SCENES_MOST] = {{.scale = NULL}};
+        double worst = 0;
+        if (kind == ISO_LEVEL_FITTED || !scalars[kind])
+            continue;
+        status = judge_shared(m, way, scalars[kind], looks, err);
+        m->made->chosen = way;
+        for (size_t i = 0; i < m->scene_count; ++i)
+            worst = fmax(worst, iso_scene_level_ratio(m->made, i));
+        if (status == ISO_OK && worst < least) {
+            least = worst;
+            chosen = way;
+            forget_all(m, m->best);
+            memcpy(m->best, looks, sizeof looks);
+        } else {
+            forget_all(m, looks);
+        }
+    }
+    m->made->chosen = chosen;
+    return status;
+}
+
+/* Judges all ways but the last, and lets the level have the scalar and the scale of the nearest. */
+static iso_status make_level(making *m, iso_error *err)
+{
+    iso_level *l = &m->p->levels[m->level];
+    iso_scene_level *made = m->made;
     float *scalars[ISO_LEVEL_SCALAR_COUNT] = {l->scalar};
+    iso_status status = ISO_OK;
     *made = (iso_scene_level){0};
-    iso_status status = make_scalars(gate, level, scalars, &made->fit, err);
-    TRY(status, judge_all(gate, level, scalars, made->candidates, best, err));
-    made->chosen = status == ISO_OK ? iso_scene_level_choose(made->candidates) : ISO_LEVEL_WAY_BUILT;
+    for (size_t i = 0; i < m->scene_count; ++i) {
+        free_scalars(scalars);
+        TRY(status, make_scalars(&m->gates[i], m->level, scalars, &made->fit, err));
+        TRY(status, judge_all(&m->gates[i], m->level, scalars, made->candidates[i], &m->best[i], err));
+        made->chosen = status == ISO_OK ? iso_scene_level_choose(made->candidates[i]) : ISO_LEVEL_WAY_BUILT;
+        made->best[i] = made->candidates[i][made->chosen].seen;
+    }
+    if (status == ISO_OK && m->scene_count > 1)
+        status = choose_shared(m, scalars, err);
     const iso_level_scalar kind = iso_level_ways[made->chosen].scalar;
     if (kind != ISO_LEVEL_AS_BUILT) {
+        free(l->scalar);
         set_scalar(l, scalars[kind]);
         l->made_for_scene = true;
         scalars[kind] = NULL;
-    } else {
-        scalars[ISO_LEVEL_AS_BUILT] = NULL; /* the level keeps it */
     }
-    l->scale = best->scale;
-    for (int i = 0; i < ISO_LEVEL_SCALAR_COUNT; ++i)
-        free(scalars[i]);
+    free_scalars(scalars);
+    l->scale = m->best->scale;
     return status;
 }
 
 /* Replaces a level's arrays by those of the optimized one. */
-static void take(iso_level *l, iso_optimized *o, look *best)
+static void take(making *m, iso_optimized *o)
 {
+    iso_level *l = &m->p->levels[m->level];
     free(l->scalar);
     free(l->codes);
     free(l->scale);
     l->codes = o->codes;
-    l->scale = best->scale = o->scale;
+    l->scale = m->best->scale = o->scale;
     if (l->directions) {
         free(l->directions);
         l->directions = o->directions;
@@ -189,56 +282,74 @@ static void take(iso_level *l, iso_optimized *o, look *best)
     }
     l->made_for_scene = l->is_optimized = true;
     set_scalar(l, o->scalar);
-    iso_tf_table_destroy(&best->tf);
-    best->tf = o->tf;
+    for (size_t i = 0; i < m->scene_count; ++i) {
+        iso_tf_table_destroy(&m->best[i].tf);
+        m->best[i].tf = o->tfs[i];
+        o->tfs[i] = (iso_tf_table){0};
+    }
     o->scalar = NULL;
     o->codes = o->scale = NULL;
-    o->tf = (iso_tf_table){0};
 }
 
-/* Compares the optimized level with the best other one; takes it if it is nearer. */
-static iso_status compare(iso_pyramid *p, size_t level, iso_level_gate *gate, iso_optimized *o, iso_scene_level *made,
-                          look *best, iso_error *err)
+/* Compares the optimized level in each scene with the best other one for it; takes it if it is nearer. */
+static iso_status compare(making *m, iso_optimized *o, iso_error *err)
 {
-    iso_level_candidate *c = &made->candidates[ISO_LEVEL_WAY_OPTIMIZED];
-    iso_level shown = p->levels[level];
+    iso_level shown = m->p->levels[m->level];
+    iso_level_seen seen[ISO_SCENES_MOST];
+    iso_status status = ISO_OK;
     set_scalar(&shown, o->scalar);
     shown.codes = o->codes;
-    const iso_status status = iso_level_gate_look(gate, level, &(iso_shown_level){&shown, &o->tf, o->scale}, &c->seen,
-                                                  err);
-    c->tried = c->adapted = status == ISO_OK;
-    if (status == ISO_OK && iso_scene_level_choose(made->candidates) == ISO_LEVEL_WAY_OPTIMIZED) {
-        take(&p->levels[level], o, best);
-        made->chosen = ISO_LEVEL_WAY_OPTIMIZED;
+    for (size_t i = 0; i < m->scene_count; ++i) {
+        TRY(status, iso_level_gate_look(&m->gates[i], m->level, &(iso_shown_level){&shown, &o->tfs[i], o->scale},
+                                        &seen[i], err));
+        if (status == ISO_OK)
+            m->made->candidates[i][ISO_LEVEL_WAY_OPTIMIZED] = (iso_level_candidate){true, true, seen[i]};
+    }
+    if (status == ISO_OK && iso_level_gate_is_nearer(m->made->best, seen, m->scene_count)) {
+        take(m, o);
+        m->made->chosen = ISO_LEVEL_WAY_OPTIMIZED;
     }
     return status;
 }
 
 /* Tries long steps, and if the level is not nearer, short ones: noise asks for them. */
-static iso_status optimize_level(iso_pyramid *p, size_t level, const iso_scene *scene, iso_level_gate *gate,
-                                 const iso_optimize_options *opt, iso_scene_level *made, look *best,
-                                 const iso_progress *progress, iso_error *err)
+static iso_status optimize_level(making *m, const iso_optimize_options *opt, const iso_progress *progress,
+                                 iso_error *err)
 {
     static const double rates[] = ISO_OPTIMIZE_RATES;
     iso_optimize_options own = *opt;
     iso_status status = ISO_OK;
-    own.seed += level;
-    own.threads = gate->threads;
+    own.seed += m->level;
+    own.threads = m->gates->threads;
+    own.scene_count = m->scene_count;
     for (size_t i = 0; i < sizeof rates / sizeof *rates && status == ISO_OK; ++i) {
-        const iso_shown_level start = {&p->levels[level], &best->tf, best->scale};
+        iso_shown_level starts[ISO_SCENES_MOST];
         iso_optimized o;
+        for (size_t k = 0; k < m->scene_count; ++k)
+            starts[k] = (iso_shown_level){&m->p->levels[m->level], &m->best[k].tf, m->best->scale};
         own.rate = rates[i];
-        status = iso_optimize_level(p, level, scene, &start, &own, &o, progress, err);
+        status = iso_optimize_level(m->p, m->level, m->scenes, starts, &own, &o, progress, err);
         if (status == ISO_E_RANGE) /* it shows nothing, or its code is not linear: the other candidates stay */
             return ISO_OK;
-        made->optimized = (struct iso_scene_level_optimized){true,     o.views,       o.pixels, o.steps,
-                                                             rates[i], o.error_first, o.error};
-        TRY(status, compare(p, level, gate, &o, made, best, err));
+        m->made->optimized = (struct iso_scene_level_optimized){true,     o.views,       o.pixels, o.steps,
+                                                                rates[i], o.error_first, o.error};
+        TRY(status, compare(m, &o, err));
         iso_optimized_destroy(&o);
-        if (made->chosen == ISO_LEVEL_WAY_OPTIMIZED || (opt->stop && *opt->stop))
+        if (m->made->chosen == ISO_LEVEL_WAY_OPTIMIZED || (opt->stop && *opt->stop))
             break;
     }
     return status;
+}
+
+/* Returns the list of what is of further scenes. */
+static json_t *others_of(json_t *object)
+{
+    json_t *list = json_object_get(object, "others");
+    if (!list) {
+        list = json_array();
+        json_object_set_new(object, "others", list);
+    }
+    return list;
 }
 
 static json_t *candidates_to_json(const iso_level_candidate candidates[WAYS])
@@ -257,14 +368,28 @@ static json_t *candidates_to_json(const iso_level_candidate candidates[WAYS])
     return list;
 }
 
-/* Describes a level: how it is shown, and how it was made and judged. */
-static json_t *level_to_json(const iso_scene_level *made, size_t level, const look *best, uint64_t seed)
+/* Adds a level's own transfer function in a scene, and its figures. */
+static void add_scene(json_t *o, const making *m, size_t scene)
 {
-    json_t *o = json_pack("{s:I, s:s, s:o}", "level", (json_int_t)level, "scalar",
-                          iso_level_scalar_name(iso_level_ways[made->chosen].scalar), "candidates",
-                          candidates_to_json(made->candidates));
-    if (made->candidates[made->chosen].adapted)
-        json_object_set_new(o, "tf", iso_level_look_to_json(&best->tf));
+    const iso_level_candidate *c = m->made->candidates[scene];
+    json_object_set_new(o, "candidates", candidates_to_json(c));
+    json_object_set_new(o, "ratio", json_real(iso_scene_level_ratio(m->made, scene)));
+    if (c[m->made->chosen].adapted)
+        json_object_set_new(o, "tf", iso_level_look_to_json(&m->best[scene].tf));
+}
+
+/* Describes a level: how it is shown, and how it was made and judged. */
+static json_t *level_to_json(const making *m, uint64_t seed)
+{
+    const iso_scene_level *made = m->made;
+    json_t *o = json_pack("{s:I, s:s}", "level", (json_int_t)m->level, "scalar",
+                          iso_level_scalar_name(iso_level_ways[made->chosen].scalar));
+    add_scene(o, m, 0);
+    for (size_t i = 1; i < m->scene_count; ++i) {
+        json_t *other = json_object();
+        add_scene(other, m, i);
+        json_array_append_new(others_of(o), other);
+    }
     if (made->optimized.tried)
         json_object_set_new(o, "optimized",
                             json_pack("{s:I, s:I, s:I, s:I, s:f, s:f, s:f}", "seed", (json_int_t)seed, "views",
@@ -275,47 +400,79 @@ static json_t *level_to_json(const iso_scene_level *made, size_t level, const lo
 }
 
 /* Makes a level and appends its description. */
-static iso_status make_and_describe(iso_pyramid *p, size_t level, const iso_scene *scene, iso_level_gate *gate,
-                                    const iso_optimize_options *optimize, iso_scene_level *made, json_t *list,
+static iso_status make_and_describe(making *m, const iso_optimize_options *optimize, json_t *list,
                                     const iso_progress *progress, iso_error *err)
 {
     const double began = iso_clock_seconds();
-    look best = {0};
-    iso_status status = make_level(p, level, gate, made, &best, err);
+    iso_status status = make_level(m, err);
     if (status == ISO_OK && optimize && optimize->effort != ISO_EFFORT_NONE && !(optimize->stop && *optimize->stop))
-        status = optimize_level(p, level, scene, gate, optimize, made, &best, progress, err);
+        status = optimize_level(m, optimize, progress, err);
     if (status == ISO_OK)
-        json_array_append_new(list, level_to_json(made, level, &best, optimize ? optimize->seed + level : 0));
-    best.scale = NULL; /* the level's */
-    forget(&best);
-    made->seconds = iso_clock_seconds() - began;
+        json_array_append_new(list, level_to_json(m, optimize ? optimize->seed + m->level : 0));
+    m->best->scale = NULL; /* the level's */
+    forget_all(m, m->best);
+    m->made->seconds = iso_clock_seconds() - began;
     return status;
 }
 
-iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scene,
+/* Describes the scenes and the levels that were made for them; takes the list of levels. */
+static json_t *describe(const iso_scene *scenes, size_t scene_count, json_t *list)
+{
+    json_t *o = NULL;
+    for (size_t i = 0; i < scene_count; ++i) {
+        const char *name = scenes[i].path ? iso_provenance_name(scenes[i].path) : "first";
+        json_t *scene = json_pack("{s:s, s:o}", "scene", name, "tf", iso_tf_to_json(&scenes[i].tf));
+        if (i == 0)
+            o = scene;
+        else
+            json_array_append_new(others_of(o), scene);
+    }
+    if (json_object_set_new(o, "levels", list) == 0)
+        return o;
+    json_decref(o);
+    return NULL;
+}
+
+/* Opens the gates. A level tells scenes by their transfer functions. */
+static iso_status open_gates(iso_level_gate *gates, const iso_pyramid *p, const iso_scene *scenes, size_t count,
+                             int threads, iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < count; ++i) {
+        TRY(status, iso_level_gate_open(&gates[i], p, &scenes[i], threads, err));
+        for (size_t k = 0; k < i && status == ISO_OK; ++k)
+            if (iso_tf_table_equals(&gates[k].views->tf, &gates[i].views->tf))
+                status = iso_fail(err, ISO_E_USAGE,
+                                  "scenes %zu and %zu of --for have the same transfer function: name one of them",
+                                  k + 1, i + 1);
+    }
+    return status;
+}
+
+iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scenes, size_t scene_count,
                                  const iso_optimize_options *optimize, int threads, iso_scene_level *levels,
                                  const iso_progress *progress, iso_error *err)
 {
     iso_scene_level own[32];
-    iso_level_gate gate;
+    iso_level_gate gates[ISO_SCENES_MOST] = {{.p = NULL}};
     if (p->levels[0].geometry.has_no_data)
         return iso_fail(err, ISO_E_RANGE,
                         "some voxels have no data: levels cannot be made for a scene; leave out --for");
     json_t *list = json_array();
     levels = levels ? levels : own;
-    iso_status status = iso_level_gate_open(&gate, p, scene, threads, err);
+    iso_status status = open_gates(gates, p, scenes, scene_count, threads, err);
     for (size_t k = first; k < p->level_count && status == ISO_OK; ++k) {
+        making m = {p, k, scene_count, scenes, gates, {{.scale = NULL}}, &levels[k]};
         iso_progress_report(progress, "levels for the scene", (double)(k - first) / (double)(p->level_count - first));
-        status = make_and_describe(p, k, scene, &gate, optimize, &levels[k], list, progress, err);
+        status = make_and_describe(&m, optimize, list, progress, err);
     }
     iso_progress_report(progress, "levels for the scene", 1);
-    iso_level_gate_close(&gate);
+    for (size_t i = 0; i < scene_count; ++i)
+        iso_level_gate_close(&gates[i]);
     if (status == ISO_OK) {
         json_decref(p->made_for);
-        p->made_for = json_pack("{s:s, s:O, s:o}", "scene", scene->path ? iso_provenance_name(scene->path) : "first",
-                                "levels", list, "tf", iso_tf_to_json(&scene->tf));
-        status = p->made_for ? ISO_OK
-                             : iso_fail(err, ISO_E_MEMORY, "no memory for the description of the levels' scene");
+        p->made_for = describe(scenes, scene_count, list);
+        return p->made_for ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for the description of the levels' scene");
     }
     json_decref(list);
     return status;

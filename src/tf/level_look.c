@@ -1,18 +1,46 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
 #include "tf/level_look.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/json.h"
 
 static const char where[] = "pyramid.json";
 
-iso_status iso_level_scene_tf(const iso_pyramid *p, iso_tf_table *tf, iso_error *err)
+/* Returns the part of made_for or of a level's entry that is of one scene. */
+static const json_t *part_of(const json_t *object, size_t scene)
+{
+    return scene == 0 ? object : json_array_get(json_object_get(object, "others"), scene - 1);
+}
+
+size_t iso_level_scene_count(const iso_pyramid *p)
+{
+    return p->made_for ? 1 + json_array_size(json_object_get(p->made_for, "others")) : 0;
+}
+
+char *iso_level_scene_names(const iso_pyramid *p)
+{
+    char *names = strdup("");
+    for (size_t i = 0; i < iso_level_scene_count(p) && names; ++i) {
+        const char *name = json_string_value(json_object_get(part_of(p->made_for, i), "scene"));
+        char *longer = NULL;
+        if (asprintf(&longer, "%s%s%s", names, i > 0 ? ", " : "", name ? name : "a scene without a name") < 0)
+            longer = NULL;
+        free(names);
+        names = longer;
+    }
+    return names;
+}
+
+iso_status iso_level_scene_tf(const iso_pyramid *p, size_t scene, iso_tf_table *tf, iso_error *err)
 {
     iso_json_reader r = {.path = where, .err = err};
     iso_tf own = {0};
     *tf = (iso_tf_table){0};
-    const json_t *object = iso_json_get_object(&r, p->made_for, "tf", true);
+    const json_t *object = iso_json_get_object(&r, part_of(p->made_for, scene), "tf", true);
     iso_status status = r.status;
     TRY(status, iso_tf_from_json(object, where, &own, err));
     TRY(status, iso_tf_tabulate(&own, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, tf, err));
@@ -59,20 +87,23 @@ static iso_status read_table(const json_t *object, iso_tf_table *tf, iso_error *
 iso_status iso_level_look(const iso_pyramid *p, size_t level, const iso_tf_table *tf, iso_tf_table *own, bool *found,
                           iso_error *err)
 {
-    const json_t *entry = find_entry(p, level), *table = json_object_get(entry, "tf");
-    iso_tf_table made_for = {0};
+    const json_t *entry = find_entry(p, level), *table = NULL;
     bool matches = false;
+    iso_status status = ISO_OK;
     *own = (iso_tf_table){0};
-    iso_status status = entry ? iso_level_scene_tf(p, &made_for, err) : ISO_OK;
-    if (status == ISO_OK)
-        matches = entry && iso_tf_table_equals(&made_for, tf);
+    for (size_t i = 0; i < iso_level_scene_count(p) && entry && status == ISO_OK && !matches; ++i) {
+        iso_tf_table made_for = {0};
+        status = iso_level_scene_tf(p, i, &made_for, err);
+        matches = status == ISO_OK && iso_tf_table_equals(&made_for, tf);
+        table = json_object_get(part_of(entry, i), "tf");
+        iso_tf_table_destroy(&made_for);
+    }
     if (status == ISO_OK && matches)
         status = table ? read_table(table, own, err) : iso_tf_table_copy(tf, own, err);
     if (found)
         *found = matches;
     if (status != ISO_OK)
         iso_tf_table_destroy(own);
-    iso_tf_table_destroy(&made_for);
     return status;
 }
 
