@@ -42,6 +42,8 @@ def look(page, cards, names):
     badges = page.evaluate("[...document.querySelectorAll('#overview img')].map(i => i.naturalWidth)")
     say("badges_are_shown", min(badges) > 80)
     say("a_bad_card_names_the_mistake", bool(cards[bad]["mistake"]) and cards[bad]["mistake"] in texts[bad])
+    named = page.evaluate("[...document.querySelectorAll('.card .mistake img')].map(i => [i.alt, i.naturalWidth])")
+    say("a_bad_card_shows_the_mistake", named == [["wanted", 32], ["got", 32]])
     say("cards_have_command_and_version",
         all((c["command"] or "") in t and c["version"] in t for c, t in zip(cards, texts)))
 

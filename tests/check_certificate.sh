@@ -114,7 +114,7 @@ check the_site_is_replaced made bad good -o site
 command -v chromium >/dev/null || { skip the_page "there is no chromium"; exit $failed; }
 findings() { PYTHONPATH=$top/tests:$top/tests/peers python3 "$top/tests/certificate_page.py" "$1"; }
 expect the_page_is_used 0 findings site/index.html
-for name in a_card_for_each each_cell_leads_to_its_card badges_are_shown a_bad_card_names_the_mistake \
+for name in a_card_for_each each_cell_leads_to_its_card badges_are_shown a_bad_card_names_the_mistake a_bad_card_shows_the_mistake \
     cards_have_command_and_version the_verdict_filters the_renderer_filters rmse_sorts all_comes_back \
     differences_are_painted two_pictures_and_their_difference_are_inspected dark_is_dark every_control_has_a_name; do
     check "$name" grep -qx "$name true" out
@@ -132,7 +132,9 @@ lost() { # name, what is lost (sed), the finding that must show it
     check "$1" grep -qx "$3" out
 }
 lost a_dead_filter_is_noticed 's/order.filter\[name\] = e.target.value;//' 'the_verdict_filters false'
-lost a_mistake_that_is_not_shown_is_noticed "s/row.mistake ? el/false ? el/" 'a_bad_card_names_the_mistake false'
+lost a_mistake_that_is_not_shown_is_noticed "s/row.mistake ? mistake/false ? mistake/" 'a_bad_card_names_the_mistake false'
+lost pictures_of_a_mistake_that_are_not_shown_are_noticed "s/\['wanted', 'got'\]/['wanted']/" \
+    'a_bad_card_shows_the_mistake false'
 lost a_difference_without_colors_is_noticed 's/else if (log > threshold) {/else if (false) {/' \
     'differences_are_painted false'
 exit $failed

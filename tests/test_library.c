@@ -647,6 +647,7 @@ TEST(images_in_memory_are_those_of_files)
     iso_free(bytes);
     iso_image_destroy(&image);
     assert_int_equal(iso_image_png(&image, 1, &bytes, &size, NULL), ISO_E_RANGE);
+    assert_int_equal(iso_image_save_png(&image, path, NAN, NULL), ISO_E_RANGE);
     assert_null(bytes);
 }
 
@@ -753,6 +754,9 @@ TEST(bad_options_are_refused)
     assert_fails(iso_export(pyramid, NULL, "povray", path, &export, &err), ISO_E_USAGE, "scene");
     export.half_float = true;
     assert_fails(iso_export(pyramid, scene, "povray", path, &export, &err), ISO_E_USAGE, "half");
+    export = iso_export_defaults();
+    export.width = 8;
+    assert_fails(iso_export(pyramid, scene, "vdb", path, &export, &err), ISO_E_USAGE, "has no scene");
     export = iso_export_defaults();
     export.level = 1;
     export.level_count = 3;
@@ -916,6 +920,8 @@ TEST(levels_that_are_not_there_are_refused)
     assert_null(view.values);
     assert_fails(iso_pyramid_directions(pyramid, (size_t)-1, none, &err), ISO_E_RANGE, "levels 0 to 2");
     assert_fails(iso_tf_adapt(tf, pyramid, 7, &adapted, &err), ISO_E_RANGE, "level 7");
+    assert_null(adapted);
+    assert_fails(iso_tf_suggest(pyramid, "bones", &adapted, &err), ISO_E_USAGE, "ct-bone");
     assert_null(adapted);
     iso_tf_free(tf);
     iso_pyramid_free(pyramid);

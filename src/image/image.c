@@ -64,8 +64,16 @@ static uint8_t *srgb_pixels(const iso_image *image, double exposure)
     return rgb;
 }
 
+static iso_status check_exposure(double exposure, iso_error *err)
+{
+    return exposure >= 0 && isfinite(exposure)
+               ? ISO_OK
+               : iso_fail(err, ISO_E_RANGE, "exposure is %g, must be 0 or above", exposure);
+}
+
 iso_status iso_image_save_png(const iso_image *image, const char *path, double exposure, iso_error *err)
 {
+    NEED(check_exposure(exposure, err));
     uint8_t *rgb = srgb_pixels(image, exposure);
     if (!rgb)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu x %zu pixels", path, image->width, image->height);
@@ -89,6 +97,9 @@ iso_status iso_image_save_png(const iso_image *image, const char *path, double e
 
 iso_status iso_image_png(const iso_image *image, double exposure, unsigned char **bytes, size_t *size, iso_error *err)
 {
+    *bytes = NULL;
+    *size = 0;
+    NEED(check_exposure(exposure, err));
     uint8_t *rgb = image->rgba ? srgb_pixels(image, exposure) : NULL;
     png_image png = {.version = PNG_IMAGE_VERSION,
                      .width = (png_uint_32)image->width,
@@ -96,8 +107,6 @@ iso_status iso_image_png(const iso_image *image, double exposure, unsigned char 
                      .format = PNG_FORMAT_RGB};
     png_alloc_size_t most = rgb ? PNG_IMAGE_PNG_SIZE_MAX(png) : 0, used = most;
     unsigned char *data = rgb ? malloc(most) : NULL;
-    *bytes = NULL;
-    *size = 0;
     iso_status status = !image->rgba ? iso_fail(err, ISO_E_RANGE, "PNG: the image is empty")
                         : !data      ? iso_fail(err, ISO_E_MEMORY, "PNG: out of memory")
                                      : ISO_OK;

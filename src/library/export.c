@@ -59,7 +59,9 @@ static iso_status check_options(const iso_export_target *t, const iso_scene *sce
                  {o->adapt, takes_scene && iso_export_takes(t, ISO_EXPORT_ADAPT), "adapts no transfer function"},
                  {o->region, iso_export_takes(t, ISO_EXPORT_ROI), "has no region of interest"},
                  {o->extinction_scale, iso_export_takes(t, ISO_EXPORT_EXTINCTION_SCALE), "has no extinction scale"},
-                 {o->plan, iso_export_takes(t, ISO_EXPORT_PLAN), "takes no plan"}};
+                 {o->plan, iso_export_takes(t, ISO_EXPORT_PLAN), "takes no plan"},
+                 {o->tf || o->width > 0 || o->height > 0, takes_scene || o->extinction_scale || o->plan,
+                  "has no scene, and takes no tf, width or height"}};
     if (takes_scene && !scene)
         return iso_fail(err, ISO_E_USAGE, "export to %s needs a scene", t->name);
     if (o->level_count > 1 && !iso_export_takes(t, ISO_EXPORT_LEVELS))

@@ -117,7 +117,9 @@ iso_status iso_tf_suggest(const iso_pyramid *pyramid, const char *name, iso_tf *
 {
     const iso_tf_request request = {0};
     iso_tf made;
-    return keep(iso_tf_of_level(name, &request, NULL, &pyramid->levels[0], 0, &made, err), &made, tf, err);
+    iso_status status = iso_tf_check_name(name, &request, err);
+    TRY(status, iso_tf_of_level(name, &request, NULL, &pyramid->levels[0], 0, &made, err));
+    return keep(status, &made, tf, err);
 }
 
 size_t iso_tf_points(const iso_tf *tf, iso_tf_point *points, size_t most)

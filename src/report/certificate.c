@@ -296,11 +296,24 @@ static json_t *sentence_of(const json_t *certificate, const json_t *rows, iso_ve
     return json_string(text);
 }
 
-/* Names the pictures of the row by their report: "2/level-0-gl-lockstep". */
+/* Adds the pictures of the calibration that shows the renderer's known mistake best. */
+static void add_mistake_pictures(json_t *certificate, const json_t *report, const char *renderer)
+{
+    static const char *const parts[] = {"wanted", "got"};
+    for (int i = 0; i < 2; ++i) {
+        char key[32], name[128];
+        snprintf(key, sizeof key, "mistake_%s", parts[i]);
+        snprintf(name, sizeof name, "mistake-%.99s-%s", renderer, parts[i]);
+        if (json_object_get(json_object_get(report, "images"), name))
+            json_object_set_new(certificate, key, json_string(name));
+    }
+}
+
+/* Names the certificate's pictures by their report: "2/level-0-gl-lockstep". */
 static void name_pictures(json_t *certificate, const json_t *group)
 {
-    static const char *const keys[] = {"image_a", "image_b"};
-    for (int i = 0; i < 2; ++i) {
+    static const char *const keys[] = {"image_a", "image_b", "mistake_wanted", "mistake_got"};
+    for (int i = 0; i < 4; ++i) {
         const char *name = iso_row_text(certificate, keys[i]);
         if (name[0])
             json_object_set_new(certificate, keys[i],
@@ -330,6 +343,7 @@ static json_t *make_certificate(const iso_report_source *of, const json_t *group
                                      "comparisons", comparisons_of(rows)));
     json_object_set_new(c, "sentence", sentence_of(c, rows, verdict));
     json_object_set_new(c, "missing", json_boolean(is_missing(c)));
+    add_mistake_pictures(c, of->root, renderer);
     name_pictures(c, group);
     return c;
 }

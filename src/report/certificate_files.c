@@ -45,21 +45,22 @@ static iso_status inline_picture(const iso_report_source *of, const char *name, 
     return status;
 }
 
-/* Adds both pictures of a certificate and their difference. Without its folder of pictures a report has none. */
+/* Adds both pictures of a certificate and their difference, and those of its mistake. Without its folder of pictures a
+ * report has none. */
 static iso_status inline_certificate(const iso_report_source *reports, const json_t *certificate, json_t *inlined,
                                      iso_error *err)
 {
-    static const char *const keys[] = {"image_a", "image_b"};
-    iso_image images[2] = {{0}};
+    static const char *const keys[] = {"image_a", "image_b", "mistake_wanted", "mistake_got"};
+    iso_image images[4] = {{0}};
     iso_status status = ISO_OK;
     char *uri = NULL, number[32];
     int found = 0;
-    for (int i = 0; i < 2 && status == ISO_OK; ++i) {
+    for (int i = 0; i < 4 && status == ISO_OK; ++i) {
         const char *name = NULL;
         const iso_report_source *of = find_picture(reports, certificate, keys[i], &name);
         if (!of || !iso_report_source_has_pictures(of))
             continue;
-        ++found;
+        found += i < 2;
         status = inline_picture(of, name, iso_row_text(certificate, keys[i]), &images[i],
                                 json_object_get(inlined, "images"), err);
     }
@@ -73,8 +74,8 @@ static iso_status inline_certificate(const iso_report_source *reports, const jso
             json_object_set_new(json_object_get(inlined, "differences"), number, json_string(uri));
     }
     free(uri);
-    iso_image_destroy(&images[0]);
-    iso_image_destroy(&images[1]);
+    for (int i = 0; i < 4; ++i)
+        iso_image_destroy(&images[i]);
     return status;
 }
 

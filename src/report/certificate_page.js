@@ -82,13 +82,21 @@ function pictures(row, at) {
     return panels.childElementCount ? panels : '';
 }
 
+// The known mistake of a renderer, in the calibration that differs most.
+function mistake(row) {
+    const panels = ['wanted', 'got'].map(part => [part, inlined.images[row[`mistake_${part}`]]]).filter(([, uri]) => uri)
+        .map(([part, uri]) => still(uri, part, 'calibration'));
+    return [el('p', {}, el('b', {}, 'It draws '), row.mistake, '.'),
+        panels.length ? el('div', {class: 'panels mistake'}, ...panels) : ''];
+}
+
 function card(row, at) {
     const compared = Boolean(inlined.differences[row.number]);
     const verdict = el('span', {class: styleOf(row)}, `${markOf(row)} ${wordOf(row)}`);
     return el('article', {class: `card ${style(row.verdict)}`, id: cardId(row)},
         el('h3', {}, row.title), el('p', {class: 'about'}, sceneName(row)), pictures(row, at),
         el('p', {}, verdict, '. ', row.sentence),
-        row.mistake ? el('p', {}, el('b', {}, 'It draws '), row.mistake, '.') : '', comparisons(row), details(row),
+        ...(row.mistake ? mistake(row) : []), comparisons(row), details(row),
         row.command ? el('details', {}, el('summary', {}, 'repeat it'), command(row.command)) : '',
         compared ? el('button', {type: 'button', onclick: () => inspect(at, true)}, 'inspect') : '');
 }
