@@ -540,7 +540,7 @@ TEST(angles_are_those_of_the_place_and_in_degrees)
 
 /* The interval of two views is 12.7 standard errors to each side: turned directions are behind by the mean, and not
  * beyond that. Twenty views tell. */
-TEST(a_level_that_few_views_leave_open_is_judged_by_twenty)
+VALUES_TEST(a_level_that_few_views_leave_open_is_judged_by_twenty)
 {
     subject s;
     for (int may = 0; may < 2; ++may) {

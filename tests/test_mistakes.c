@@ -45,7 +45,7 @@ static size_t number_of(const char *words)
     return 0;
 }
 
-TEST(pairs_are_named)
+VALUES_TEST(pairs_are_named)
 {
     static const char *const pairs[][2] = {{"half a voxel off along x", "10 % more length"},
                                            {"multiplied by alpha twice", "lit on one side"},
@@ -77,7 +77,7 @@ TEST(a_right_renderer_has_none)
 }
 
 /* A picture that no mistake explains: a dark spot in each. */
-TEST(another_difference_is_not_named)
+VALUES_TEST(another_difference_is_not_named)
 {
     iso_image pictures[ISO_CALIBRATION_COUNT];
     iso_mistakes found;

@@ -23,9 +23,8 @@ typedef struct grid {
 static iso_status choose(grid *g, const iso_figure_job *job, iso_error *err)
 {
     bool wanted[ISO_MAX_RENDERERS];
-    const iso_status status = iso_renderers_from_list(job->with, wanted, err);
-    if (status == ISO_OK)
-        iso_renderers_leave_out_missing(job->with, wanted);
+    iso_status status = iso_renderers_from_list(job->with, wanted, err);
+    TRY(status, iso_renderers_find_missing(job->with, wanted, err));
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
         if (wanted[i] && g->columns == MOST_COLUMNS)
             return iso_fail(err, ISO_E_RANGE, "--with names too many renderers, at most %d fit side by side",

@@ -66,9 +66,8 @@ static iso_status choose_levels(const iso_figure_job *job, shown *s, iso_figure_
 static iso_status choose_renderers(const iso_figure_job *job, shown *s, iso_figure_columns *c, iso_error *err)
 {
     bool wanted[ISO_MAX_RENDERERS];
-    const iso_status status = iso_renderers_from_list(job->with, wanted, err);
-    if (status == ISO_OK)
-        iso_renderers_leave_out_missing(job->with, wanted);
+    iso_status status = iso_renderers_from_list(job->with, wanted, err);
+    TRY(status, iso_renderers_find_missing(job->with, wanted, err));
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i)
         if (wanted[i]) {
             s->with[c->count] = iso_renderer_at(i);

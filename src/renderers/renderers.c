@@ -47,10 +47,11 @@ iso_render_options iso_render_defaults(const iso_renderer_info *r)
     return opt;
 }
 
-void iso_renderers_leave_out_missing(const char *list, bool wanted[ISO_MAX_RENDERERS])
+iso_status iso_renderers_find_missing(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err)
 {
     iso_renderers r = {0};
-    for (size_t i = 0; i < iso_renderer_count() && !list; ++i) {
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
         char version[320], text[600];
         iso_error why = {""};
         const iso_renderer_info *which = iso_renderer_at(i);
@@ -58,9 +59,13 @@ void iso_renderers_leave_out_missing(const char *list, bool wanted[ISO_MAX_RENDE
             continue;
         wanted[i] = false;
         snprintf(text, sizeof text, "%s is left out: %.500s", which->name, why.text);
-        iso_warn(text);
+        if (list)
+            status = iso_fail(err, ISO_E_MISSING, "%s", why.text);
+        else
+            iso_warn(text);
     }
     iso_renderers_end(&r);
+    return status;
 }
 
 double iso_half_rounding(double most)

@@ -237,8 +237,9 @@ iso_status iso_renderer_from_name(const char *name, const iso_renderer_info **r,
  * of pictures, and other versions (`beside`) of an included program. */
 iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err);
 
-/* Clears `wanted` of renderers that are not installed, each with a warning, if no list names them. */
-void iso_renderers_leave_out_missing(const char *list, bool wanted[ISO_MAX_RENDERERS]);
+/* Fails with ISO_E_MISSING if a wanted renderer of the list is not installed, before anything is drawn. Without a list
+ * clears `wanted` of such renderers, each with a warning. */
+iso_status iso_renderers_find_missing(const char *list, bool wanted[ISO_MAX_RENDERERS], iso_error *err);
 
 /* Joins the names of the renderers that have all these traits (0: all): "reference, gl and povray" with the
  * joins ", " and " and ". Returns text, cut at size. */
