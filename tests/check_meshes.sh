@@ -7,6 +7,8 @@ python3 - <<'PY'
 nx, ny, nz = 12, 9, 8
 def label(x, y, z):
     if 5 <= x < 7 and 2 <= y < 5 and 1 <= z < 5: return 7
+    if x >= 8 and y < 4 and z >= 4: return 9
+    if x < 4 and y >= 8 and z < 2: return 11
     return 3 if (x - 3) ** 2 + (y - 5) ** 2 + (z - 4) ** 2 < 5 else 0
 with open("labels.seg.nrrd", "wb") as file:
     file.write(f"""NRRD0004
@@ -25,6 +27,14 @@ Segment1_ID:=b
 Segment1_Name:=liver
 Segment1_LabelValue:=7
 Segment1_Color:=0.6 0.1 0.1
+Segment2_ID:=c
+Segment2_Name:=nail
+Segment2_LabelValue:=9
+Segment2_Color:=0.2 0.7 0.9
+Segment3_ID:=d
+Segment3_Name:=edge
+Segment3_LabelValue:=11
+Segment3_Color:=0.9 0.9 0.1
 
 """.encode())
     file.write(bytes(label(x, y, z) for z in range(nz) for y in range(ny) for x in range(nx)))
@@ -38,6 +48,6 @@ run_on() { # BLEND, sphere or labels
 export PYTHONDONTWRITEBYTECODE=1
 check a_sphere_is_written "$ISOSHADE" export sphere.nrrd --to blender --levels 2 --dense -q -o sphere.blend
 run_on sphere.blend sphere
-check and_labels "$ISOSHADE" export labels.seg.nrrd --to blender -q -o labels.blend
+check and_labels "$ISOSHADE" export labels.seg.nrrd --to blender --levels 2 -q -o labels.blend
 run_on labels.blend labels
 exit $failed

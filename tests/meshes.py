@@ -135,24 +135,62 @@ def direction(thing):
     return tip / numpy.linalg.norm(tip)
 
 
-def labels():
-    """A ball of 33 voxels and a cuboid of 2 x 3 x 4, voxels of 1 x 1 x 2.5 mm, sheared."""
+def volume_of(mesh):
+    """Volume in voxels of level 0, of 1 x 1 x 2.5 mm."""
+    found = bmesh.new()
+    found.from_mesh(mesh)
+    size, is_closed = found.calc_volume(signed=True) / 2.5, all(len(edge.link_faces) % 2 == 0 for edge in found.edges)
+    found.free()
+    return size, is_closed
+
+
+def label_meshes(**how):
     before = set(bpy.data.objects)
-    said = press(bpy.ops.isoshade.label_meshes)
-    made = {thing.name.split()[-1]: thing for thing in newest(before)}
-    say("each_label_is_a_mesh", sorted(made) == ["bone", "liver"], f"{sorted(made)} {said}")
+    said = press(bpy.ops.isoshade.label_meshes, **how)
+    made = {thing.name.split(".")[0].split()[-1]: thing for thing in newest(before)}
+    say(f"each_label_is_a_mesh {how}", sorted(made) == ["bone", "edge", "liver", "nail"], f"{sorted(made)} {said}")
     looks = {thing.active_material.name: tuple(thing.active_material.diffuse_color) for thing in made.values()}
-    say("with_a_material_and_a_color", len(set(looks.values())) == 2, looks)
-    for name, count, faces in (("liver", 24, 52), ("bone", 33, None)):
-        thing = made[name]
-        mesh = bmesh.new()
-        mesh.from_mesh(thing.data)
-        size = mesh.calc_volume(signed=True) / 2.5
+    say("with_a_material_and_a_color", len(set(looks.values())) == 4, looks)
+    return made
+
+
+def coarse_labels():
+    """At level 1 a label of even places keeps its volume, also in the half voxels at the border."""
+    press(bpy.ops.isoshade.level, level=1)
+    made = label_meshes()
+    for name, count in (("nail", 64), ("edge", 8)):
+        size, is_closed = volume_of(made[name].data)
+        say(f"{name}_has_its_volume_at_level_1", is_closed and abs(size / count - 1) < 1e-5, f"{size:.6g} voxels of {count}")
+    low, high = (end(vertices(made["nail"]), axis=0) for end in (numpy.min, numpy.max))
+    corners = numpy.array([(7.5 + 0.5 * 3.5, -0.5, 2.5 * 3.5), (11.5 + 0.5 * 7.5, 3.5, 2.5 * 7.5)]) + (10, 20, 30)
+    off = abs(numpy.array((low, high)) - corners).max()
+    say("at_its_place", off < 1e-4, f"off by {off:.3g} mm")
+    press(bpy.ops.isoshade.level, level=0)
+
+
+def smooth_labels(sharp):
+    """A smoothed mesh stays closed and near to the faces of the voxels."""
+    made = label_meshes(smooth=8)
+    for name in ("bone", "nail"):
+        shown = made[name].evaluated_get(bpy.context.evaluated_depsgraph_get())
+        size, is_closed = volume_of(shown.to_mesh())
+        shown.to_mesh_clear()
+        whole = volume_of(sharp[name].data)[0]
+        away = numpy.linalg.norm(vertices(made[name]) - vertices(sharp[name]), axis=1)
+        say(f"a_smooth_{name}_is_closed", is_closed and 0.5 < size / whole < 1, f"{size:.4g} of {whole:.4g} voxels")
+        say(f"and_within_a_voxel_{name}", 0.1 < away.max() < math.sqrt(1 + 1 + 2.5 ** 2), f"{away.max():.3g} mm")
+
+
+def labels():
+    """A ball of 33 voxels, and cuboids of 2 x 3 x 4, 4 x 4 x 4 and 4 x 1 x 2, voxels of 1 x 1 x 2.5 mm, sheared."""
+    made = label_meshes()
+    for name, count, faces in (("liver", 24, 52), ("bone", 33, None), ("nail", 64, 96), ("edge", 8, 28)):
+        size, is_closed = volume_of(made[name].data)
         say(f"{name}_has_the_volume_of_its_voxels", abs(size / count - 1) < 1e-5, f"{size:.6g} voxels of {count}")
-        say(f"{name}_is_closed", all(len(edge.link_faces) % 2 == 0 for edge in mesh.edges), len(mesh.faces))
+        say(f"{name}_is_closed", is_closed)
         if faces:
-            say(f"{name}_has_the_faces_of_a_cuboid", len(mesh.faces) == faces, len(mesh.faces))
-        mesh.free()
+            count = len(made[name].data.polygons)
+            say(f"{name}_has_the_faces_of_a_cuboid", count == faces, count)
     found = vertices(made["liver"])
     # Its lowest corner is that of voxel (5, 2, 1): directions (1, 0, 0), (0, 1, 0), (0.5, 0, 2.5), the center of the
     # first voxel at (10, 20, 30).
@@ -161,6 +199,8 @@ def labels():
     say("at_the_corner_of_its_voxels", abs(low - want).max() < 1e-4, f"{low} {want}")
     refused = press(bpy.ops.isoshade.surface, value=1)
     say("labels_have_no_surface_at_a_value", "is a label map" in refused, refused)
+    coarse_labels()
+    smooth_labels(made)
 
 
 if kind == "sphere":
