@@ -258,6 +258,9 @@ hostile = os.path.join(folder, "hostile.tf.json")
 with open(hostile, "w", encoding="ascii") as file:
     file.write('{"schema": "isoshade.tf/1", "range": [0, 1], "unit_distance_mm": "__import__(\'os\').getcwd()", "color_space": "linear", "points": []}')
 refused("a_file_of_code_is_refused", '"points" must be a list', buttons.load_tf, filepath=hostile)
+with open(hostile, "w", encoding="ascii") as file:
+    file.write('{"schema": "isoshade.tf/1", "points": [{"value": 1}]}')
+refused("all_missing_keys_are_named", 'lacks "range", "unit_distance_mm", "color_space"; an example:', buttons.load_tf, filepath=hostile)
 works("levels_are_adapted", buttons.adapt, always=True)
 numbers = [volume.ramp_of(thing).index for thing in volume.levels_of(frame)]
 tell("each_has_a_ramp_of_its_own", numbers == [0, 1], numbers)
@@ -317,7 +320,7 @@ shown.location.x -= 2.0
 shown.active_material.driver_remove("cycles.volume_step_rate")
 shown.active_material.cycles.volume_step_rate = 1
 press(buttons.certify)
-tell("a_step_that_stays_behind_is_named", "step rate of its material" in scene.isoshade.verdict and not scene.isoshade.agrees, scene.isoshade.verdict)
+tell("a_step_that_stays_behind_is_named", "needs its own, with another Step Rate" in scene.isoshade.verdict and not scene.isoshade.agrees, scene.isoshade.verdict)
 shown.active_material.cycles.volume_step_rate = 0.01
 frame.parent = camera.parent = None
 scene.view_settings.view_transform = 'Standard'
@@ -339,6 +342,27 @@ scene.collection.objects.link(lamp)
 certified("edits_are_named", "exposure 0.5 by 0.", "film exposure 1.5 by 0.", "The exact material ignores my lamp.")
 scene.view_settings.exposure, scene.cycles.film_exposure = 0.0, 1.0
 bpy.data.objects.remove(lamp)
+scene.render.use_stamp, layer = True, bpy.context.view_layer
+layer.material_override, shown.is_holdout = bpy.data.materials.new("mine"), True
+certified("settings_of_the_layer_are_left_out_by_name", f"Left out: material override mine, holdout of {shown.name}", "stamp")
+scene.render.use_stamp, layer.material_override, shown.is_holdout = False, None, False
+world, size = scene.world, (scene.render.resolution_x, scene.render.resolution_y)
+scene.world = bpy.data.worlds.new("plain")
+scene.world.color, scene.render.resolution_x, scene.render.resolution_y = (0.2, 0.3, 0.4), 96, 40
+camera.data.sensor_fit = 'AUTO'
+certified("a_wide_picture_with_a_plain_world")
+scene.world.color = (0.2, 0.3, 1.4)
+certified("a_bright_world_is_left_out", "Left out: a world brighter than 1")
+scene.world, (scene.render.resolution_x, scene.render.resolution_y), camera.data.sensor_fit = world, size, 'VERTICAL'
+shown.visible_camera = False
+certified("an_invisible_volume_is_named", f"{shown.name} is invisible to camera rays", good=False)
+shown.visible_camera = True
+for words, owner, key, value in (("lens shift", camera.data, "shift_x", 0.1), ("are not square", scene.render, "pixel_aspect_x", 2),
+                                 ("Light 1 has intensity", bpy.data.objects["isoshade light 1"].data, "energy", 9)):
+    before = getattr(owner, key)
+    setattr(owner, key, value)
+    refused(f"{key}_is_refused", words, buttons.certify)
+    setattr(owner, key, before)
 certified("and_gone_when_undone")
 tell("without_a_trace", not any(word in scene.isoshade.verdict for word in ("exposure", "lamp")), scene.isoshade.verdict)
 exact = [tuple(element.color) for element in ramp.node.color_ramp.elements]

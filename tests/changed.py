@@ -53,8 +53,7 @@ def apart(a, b):
 
 def same(case, have, want, limit=NOISE):
     off = apart(have, want)
-    print(f"row {bpy.app.version_string} {case} {off:.2g}", flush=True)
-    say(case, off <= limit, f"RMSE {off:.3g}, limit {limit:.3g}")
+    print("ok" if off <= limit else "not ok", f"{case}: RMSE {off:.2g}, limit {limit:.2g}", flush=True)
 
 
 def shows(case, have, want):
@@ -183,6 +182,29 @@ scene.frame_set(2)
 same("animated_level_in_frame_2", picture(scene), coarse)
 scene.frame_set(1)
 same("animated_level_in_frame_1", picture(scene), fresh)
+
+# All at once: a copy of twice the size in a collection of its own, of which an empty with a turned parent is an instance.
+scene, copy = copied(False)
+copy.scale *= 2
+own = bpy.data.collections.new("copies")
+for thing in (copy, *copy.children):
+    for collection in thing.users_collection:
+        collection.objects.unlink(thing)
+    own.objects.link(thing)
+instance = bpy.data.objects.new("instance", None)
+instance.instance_type, instance.instance_collection = 'COLLECTION', own
+scene.collection.objects.link(instance)
+around = under_an_empty(scene, (instance,))
+around.rotation_euler, around.location, instance.location = (0.3, 1.1, -0.7), (40, 5, -90), (3, 2, 1)
+bpy.context.view_layer.update()
+lens, turn = scene.camera.data, instance.matrix_world.to_quaternion()
+scene.camera.matrix_world = (instance.matrix_world @ Matrix.Translation(FAR) @ Matrix.Scale(2, 4) @ Matrix.Translation(-FAR)
+                             @ scene.camera.matrix_world).normalized()
+lens.clip_end, lens.ortho_scale = 2 * lens.clip_end, 2 * lens.ortho_scale
+for sun in suns():
+    sun.rotation_mode = 'QUATERNION'
+    sun.rotation_quaternion = turn @ sun.matrix_world.to_quaternion()
+same("turned_instance_of_a_scaled_copy", picture(scene), fine, SEEN)
 
 # A copy in the middle of an edit of the ramp: both show it.
 scene, copy = copied(False)

@@ -8,7 +8,7 @@ import tempfile
 
 import bpy
 
-from . import cutter, volume
+from . import cutter, place, volume
 from .operators import Button, isoshade
 from .tables import Refused
 
@@ -57,18 +57,35 @@ def suspects(frame, scene):
         found.append(f"{thing.name} was moved, turned or scaled inside its box")
     if thing.modifiers:
         found.append(f"{thing.name} has modifiers")
+    found += unseen(frame, thing, scene)
     voxel, look = volume.voxel_units(thing), thing.active_material
     step = thing.data.render.step_size * look.cycles.volume_step_rate / frame.matrix_world.median_scale
     voxels = step / voxel if voxel else 0
-    if voxels > 1:
-        found.append(f"its step is {voxels:.3g} voxels: the step rate of its material does not follow this box's scale, make the "
-                     "material single-user and set Step Rate")
+    if voxel and not 0 < voxels <= 1:
+        found.append(f"its step is {voxels:.3g} voxels: set Step Size of its data; a volume of another size than the first one with "
+                     "this material needs its own, with another Step Rate")
     if look.cycles.volume_interpolation != 'LINEAR':
         found.append("its material interpolates cubically")
     if volume.look_of(thing)[0].inputs["Use Ramp"].default_value > 0.5:
         found.append("Cycles evaluates the ramp at 256 places: bake it and use the exact table")
     if volume.left_out_but_shown(frame):
         found.append("the transfer function shows values that the grids leave out")
+    return found
+
+
+def unseen(frame, thing, scene):
+    """Returns what keeps a volume, or lights of its material, from being seen."""
+    found = []
+    if thing.hide_render or any(collection.hide_render for collection in thing.users_collection):
+        found.append(f"{thing.name} or its collection is hidden from renders")
+    if not thing.visible_camera:
+        found.append(f"{thing.name} is invisible to camera rays")
+    depths, lens = place.depths(scene.camera, frame), scene.camera.data
+    if lens.clip_start > max(min(depths), 0) + 0.01 * max(frame.dimensions) or max(depths) > lens.clip_end:
+        found.append("the camera's clip range cuts the volume")
+    animation = thing.active_material.node_tree.animation_data
+    if animation and not all(variable.targets[0].id for curve in animation.drivers for variable in curve.driver.variables):
+        found.append("the sun of a light was deleted")
     return found
 
 
@@ -82,7 +99,7 @@ def own_sentence(result, reasons):
     where = f" (largest {result['max']:.2g} at column {result['column']}, row {result['row']})" if result["rmse"] > LIMIT else ""
     said = f"This file's picture differs from the reference by RMSE {result['rmse']:.2g}{where}."
     if result["rmse"] > LIMIT:
-        said += f" Check: {'; '.join(reasons) or 'changes of the material or the grids'}."
+        said += f" Check: {'; '.join(reasons) or 'a step that is too long, changes of the material or the grids'}."
     changes = [f"{one['what']} by {one['rmse']:.2g}" for one in result["settings"] if one["rmse"] >= LEAST_CHANGE]
     changes += [f"{result['view']['what']} by {result['view']['rmse']:.2g} of shown colors"] if result["view"] else []
     if changes:
@@ -97,6 +114,20 @@ def read_own(folder, complaint):
                      complaint)
 
 
+def scene_at_size(context, frame, longest):
+    """Returns the scene in the form isoshade.scene/1 for a picture whose longer side is at most `longest`, and its size.
+    The camera is that of the rounded size, whose shape may differ."""
+    render = context.scene.render
+    kept = render.resolution_x, render.resolution_y, render.resolution_percentage
+    whole = [kept[axis] * kept[2] / 100 for axis in (0, 1)]
+    size = [max(int(side * min(1, longest / max(whole)) + 0.5), 4) for side in whole]  # as Blender's least
+    try:
+        render.resolution_x, render.resolution_y, render.resolution_percentage = *size, 100
+        return volume.scene_json(context, frame), size
+    finally:
+        render.resolution_x, render.resolution_y, render.resolution_percentage = kept
+
+
 class Certificate:
     """The files and commands of a certificate."""
 
@@ -105,18 +136,13 @@ class Certificate:
         self.folder = report_folder()
         self.own_folder = self.folder + "_of_file"
         self.path = self.folder + ".scene.json"
-        self.about = volume.scene_json(context, frame)
+        self.about, self.size = scene_at_size(context, frame, self.options.size)
         point, direction, _ = volume.place_of(frame, self.scene)
         cuts = cutter.clip_planes(frame, point, direction)
         if cuts:
             self.about["clip_planes"] = self.about.get("clip_planes", []) + cuts
             if len(self.about["clip_planes"]) > MOST_CLIPS:
                 raise Refused(f"The reference has at most {MOST_CLIPS} clip planes, this scene has {len(self.about['clip_planes'])}")
-        if self.scene.render.film_transparent:
-            self.about["background"] = [0, 0, 0]
-        image = self.about["image"]
-        share = min(1, self.options.size / max(image["width"], image["height"]))
-        self.size = [max(int(image[key] * share + 0.5), 1) for key in ("width", "height")]
         self.source = volume.volume_path(frame, self.scene)
         self.program = isoshade(context)
         self.is_exact = not frame.get("physical", 0) > 0
@@ -128,7 +154,8 @@ class Certificate:
             if not self.is_exact:
                 return
             os.makedirs(self.own_folder, exist_ok=True)
-            plan = {"scene": self.scene.name, "frame": self.frame.name, "image": self.size, "folder": self.own_folder,
+            plan = {"scene": self.scene.name, "layer": bpy.context.view_layer.name, "frame": self.frame.name, "image": self.size,
+                    "world": volume.background_of(self.scene)[1], "folder": self.own_folder,
                     "reference": os.path.join(self.own_folder, "reference.exr")}
             pathlib.Path(self.own_folder, "plan.json").write_text(json.dumps(plan), encoding="utf-8")
             result = pathlib.Path(self.own_folder, "result.json")

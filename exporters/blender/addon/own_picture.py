@@ -26,7 +26,8 @@ SETTINGS = (
 SAMPLES = 16  # average phases of the steps: 4 leave an RMSE of 0.004 in shells thinner than a voxel
 # What the reference cannot draw is turned off, and named.
 OFF = (("render", "use_motion_blur", "motion blur"), ("render", "use_border", "render region"),
-       ("render", "use_compositing", "compositor"), ("render", "use_sequencer", "sequencer"))
+       ("render", "use_compositing", "compositor"), ("render", "use_sequencer", "sequencer"),
+       ("render", "use_stamp", "stamp"), ("render", "use_freestyle", "Freestyle lines"), ("render", "use_multiview", "stereo"))
 SEEN = ("view_transform", "Standard"), ("look", "None"), ("exposure", 0.0), ("gamma", 1.0), ("use_curve_mapping", False)
 
 
@@ -43,6 +44,24 @@ def keep_alone(scene, frame):
         thing.type not in ('CAMERA', 'EMPTY', 'LIGHT') or thing.instance_collection))
 
 
+def layer_settings(layer, things):
+    """Returns settings of the view layer and of objects that change or hide a volume; its picture is without them."""
+    def parts(branch):
+        yield branch
+        for child in branch.children:
+            yield from parts(child)
+
+    names = {thing.name for thing in things}
+    found = [f"{words} of the collection {part.name}" for part in parts(layer.layer_collection)
+             for key, words in (("exclude", "exclusion"), ("holdout", "holdout"), ("indirect_only", "indirect only"))
+             if getattr(part, key) and names & set(part.collection.all_objects.keys())]
+    found += [f"material override {layer.material_override.name}"] if layer.material_override else []
+    for thing in things:
+        found += [f"holdout of {thing.name}"] if thing.is_holdout else []
+        thing.is_holdout = False
+    return found
+
+
 def idle_lamps(scene):
     """Returns the lamps that are no handles of a light of the exact material, which they do not light."""
     trees = [material.node_tree for material in bpy.data.materials if material.node_tree]
@@ -52,7 +71,7 @@ def idle_lamps(scene):
                   if thing.type == 'LIGHT' and thing not in handles and not thing.hide_render)
 
 
-def turn_off(scene):
+def turn_off(scene, plan):
     """Turns off what the reference has not. Returns its names."""
     found = []
     for part, key, words in OFF:
@@ -72,10 +91,10 @@ def turn_off(scene):
         if node.bl_idname == 'ShaderNodeOutputWorld' and node.inputs["Volume"].is_linked:
             found.append("fog of the world")
             world.links.remove(node.inputs["Volume"].links[0])
-        if node.bl_idname == 'ShaderNodeBackground' and node.inputs["Color"].is_linked:
-            found.append("picture of the world")
-            scene.render.film_transparent = True
-    return list(dict.fromkeys(found))
+    if plan["world"]:
+        found.append(plan["world"])
+        scene.render.film_transparent = True
+    return found
 
 
 def load(path):
@@ -153,10 +172,11 @@ def main():
     scene = bpy.data.scenes[plan["scene"]]
     scene.render.resolution_x, scene.render.resolution_y = plan["image"]
     scene.render.resolution_percentage = 100
-    scene.render.use_overwrite, scene.render.use_file_extension, scene.render.use_multiview = True, True, False
-    lamps = idle_lamps(scene)
-    objects = keep_alone(scene, bpy.data.objects[plan["frame"]])
-    features = turn_off(scene)
+    scene.render.use_overwrite, scene.render.use_file_extension = True, True
+    lamps, frame = idle_lamps(scene), bpy.data.objects[plan["frame"]]
+    features = layer_settings(scene.view_layers[plan["layer"]], [thing for thing in frame.children if thing.type == 'VOLUME'])
+    objects = keep_alone(scene, frame)
+    features += turn_off(scene, plan)
     result = {**measure(scene, plan), "objects": objects, "features": features, "lamps": lamps}
     with open(os.path.join(plan["folder"], "result.json"), "w", encoding="utf-8") as file:
         json.dump(result, file, indent=1)

@@ -65,13 +65,18 @@ def frame_it(frame, context):
             view.clip_start, view.clip_end = min(view.clip_start, 0.02 * radius), max(view.clip_end, 100 * radius)
 
 
+def depths(camera, frame):
+    """Returns the distances of a volume's corners along the camera's view."""
+    inverse = camera.matrix_world.normalized().inverted()
+    return [-(inverse @ place).z for place in corners(frame)]
+
+
 def sees(camera, frame):
     """True if the camera is outside of the volume, with the volume between its clip planes."""
     inside = frame.matrix_world.inverted() @ camera.matrix_world.translation
     low, high = Vector(frame.bound_box[0]), Vector(frame.bound_box[6])
-    depths = [-(camera.matrix_world.inverted() @ place).z for place in corners(frame)]
-    is_inside = all(low[a] < inside[a] < high[a] for a in range(3))
-    return not is_inside and camera.data.clip_start < max(depths) and min(depths) < camera.data.clip_end
+    is_inside, away = all(low[a] < inside[a] < high[a] for a in range(3)), depths(camera, frame)
+    return not is_inside and camera.data.clip_start < max(away) and min(away) < camera.data.clip_end
 
 
 def cautions(frame, context):

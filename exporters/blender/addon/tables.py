@@ -165,17 +165,33 @@ def to_json(points, lo, hi, unit_mm, count):
             "points": [dict(zip(("value", "r", "g", "b", "opacity"), (p[0], *(min(max(v, 0.0), 1.0) for v in p[1:])))) for p in points]}
 
 
+POINT = {"value": 0, "r": 1, "g": 0.5, "b": 0, "opacity": 0.2}
+EXAMPLE = {"schema": "isoshade.tf/1", "range": "fit", "unit_distance_mm": 1, "color_space": "srgb", "points": [POINT]}
+
+
+def need_keys(found, keys, what, example):
+    missing = [f'"{key}"' for key in keys if key not in found]
+    if missing:
+        raise Refused(f"{what} lacks {', '.join(missing)}; an example: {json.dumps(example)}")
+
+
 def from_json(text, where, fit_range, voxel_mm=None):
     """Reads points, lo, hi, unit_mm of an isoshade.tf/1 file. fit_range: the volume's range, for "range": "fit"."""
     try:
         root = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise Refused(f"{where}: is not valid JSON: {error}") from None
-    if not isinstance(root, dict) or root.get("schema") != "isoshade.tf/1":
-        raise Refused(f'{where}: is no transfer function of isoshade, its "schema" is not isoshade.tf/1; isoshade tf convert makes one')
-    listed = root.get("points")
+    if not isinstance(root, dict):
+        raise Refused(f"{where}: is not an object of JSON")
+    unit = "unit_distance_voxels" if "unit_distance_voxels" in root else "unit_distance_mm"
+    need_keys(root, ("schema", "range", unit, "color_space", "points"), f"{where}: the transfer function", EXAMPLE)
+    if root["schema"] != "isoshade.tf/1":
+        raise Refused(f'{where}: its "schema" is not isoshade.tf/1; isoshade tf convert reads other formats')
+    listed = root["points"]
     if not isinstance(listed, list) or not 1 <= len(listed) <= MOST_POINTS or not all(isinstance(p, dict) for p in listed):
         raise Refused(f'{where}: "points" must be a list of 1 to {MOST_POINTS} objects')
+    for point in listed:
+        need_keys(point, POINT, f"{where}: a point", POINT)
     points = [[number(p.get("value"), f"{where}: a value")]
               + [number(p.get(key), f"{where}: {key} of a point", 0, 1) for key in ("r", "g", "b", "opacity")] for p in listed]
     if any(a[0] > b[0] for a, b in zip(points, points[1:])):
@@ -194,10 +210,7 @@ def from_json(text, where, fit_range, voxel_mm=None):
         raise Refused(f'{where}: "range" must be two numbers or "fit"')
     if not hi > lo:
         raise Refused(f"{where}: the range is {lo:g} to {hi:g}, its end must exceed its start")
-    if "unit_distance_voxels" in root:
-        if not voxel_mm:
-            raise Refused(f'{where}: "unit_distance_voxels" needs the volume\'s voxels, which are not found')
-        unit = voxel_mm * number(root["unit_distance_voxels"], f"{where}: unit_distance_voxels", LEAST_MM, MOST_MM)
-    else:
-        unit = number(root.get("unit_distance_mm"), f"{where}: unit_distance_mm", LEAST_MM, MOST_MM)
-    return points, lo, hi, unit
+    if unit == "unit_distance_voxels" and not voxel_mm:
+        raise Refused(f'{where}: "unit_distance_voxels" needs the volume\'s voxels, which are not found')
+    length = number(root[unit], f"{where}: {unit}", LEAST_MM, MOST_MM)
+    return points, lo, hi, length if unit == "unit_distance_mm" else length * voxel_mm

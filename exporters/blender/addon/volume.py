@@ -449,13 +449,15 @@ def camera_json(scene, frame):
     camera = scene.camera
     if not camera or camera.type != 'CAMERA' or camera.data.type not in ('PERSP', 'ORTHO'):
         raise Refused("The scene has no perspective or orthographic camera")
+    if abs(scene.render.pixel_aspect_x / scene.render.pixel_aspect_y - 1) > 1e-4:
+        raise Refused("The pixels are not square: set Aspect X and Y to 1")
     point, direction, mm = place_of(frame, scene)
     matrix = camera.matrix_world
     position, forward = matrix.translation, matrix.to_3x3() @ Vector((0, 0, -1))
     corners = camera.data.view_frame(scene=scene)
-    top, bottom = max(c.y for c in corners), min(c.y for c in corners)
-    if abs(top + bottom) > 1e-4 * (top - bottom):
-        raise Refused("The camera has a lens shift, which isoshade does not support")
+    top, bottom, right, left = (pick(c[axis] for c in corners) for axis in (1, 0) for pick in (max, min))
+    if max(abs(top + bottom), abs(left + right)) > 1e-4 * (top - bottom):
+        raise Refused("The camera has a lens shift, which isoshade does not support: set Shift to 0")
     middle = frame.matrix_world @ (sum((Vector(c) for c in frame.bound_box), Vector()) / 8)
     reach = max((middle - position).length, 1e-3)
     about = {"position": list(point(position)), "look_at": list(point(position + reach * forward.normalized())),
@@ -466,11 +468,18 @@ def camera_json(scene, frame):
 
 
 def background_of(scene):
-    nodes = scene.world.node_tree.nodes if scene.world and scene.world.node_tree else []
-    node = next((n for n in nodes if n.type == 'BACKGROUND'), None)
-    if node and not node.inputs["Color"].is_linked:
-        return [min(max(c * node.inputs["Strength"].default_value, 0), 1) for c in node.inputs["Color"].default_value[:3]]
-    return [0, 0, 0]
+    """Returns the color behind the volume, and words for a world that the reference cannot draw: its color is black then."""
+    world = scene.world
+    if not world or scene.render.film_transparent:
+        return [0, 0, 0], ""
+    node = next((n for n in world.node_tree.nodes if n.type == 'BACKGROUND'), None) if world.use_nodes else None
+    if node and (node.inputs["Color"].is_linked or node.inputs["Strength"].is_linked):
+        return [0, 0, 0], "picture of the world"
+    if world.use_nodes and not node:
+        return [0, 0, 0], ""
+    color, strength = (node.inputs["Color"].default_value, node.inputs["Strength"].default_value) if node else (world.color, 1)
+    color = [max(c * strength, 0) for c in color[:3]]
+    return ([0, 0, 0], "a world brighter than 1") if max(color) > 1 else (color, "")
 
 
 def scene_json(context, frame):
@@ -482,11 +491,13 @@ def scene_json(context, frame):
     while f"Light {len(lights) + 1}" in look.inputs:
         i = len(lights) + 1
         towards = Vector(look.inputs[f"Light {i}"].default_value)
-        lights.append({"direction": list(direction(towards)), "space": "world",
-                       "intensity": tables.near(look.inputs[f"Intensity {i}"].default_value)})
+        intensity = tables.near(look.inputs[f"Intensity {i}"].default_value)
+        if not 0 <= intensity <= 1:
+            raise Refused(f"Light {i} has intensity {intensity:.3g}, must be 0 to 1: set its sun's strength to at most {math.pi:.3f}")
+        lights.append({"direction": list(direction(towards)), "space": "world", "intensity": intensity})
         color = look.inputs[f"Color {i}"].default_value[:3] if f"Color {i}" in look.inputs else (1, 1, 1)
         if min(color) < 1 - 1e-6 or max(color) > 1 + 1e-6:
-            raise Refused(f"Light {i} has a color; isoshade validates white lights only")
+            raise Refused(f"Light {i} has a color; isoshade validates white lights only: make its sun white")
     tf = present_transfer_function(thing)
     tf["unit_distance_mm"] /= tables.number(look.inputs["Density Scale"].default_value, "Density Scale", 1e-6, 1e6)
     share = scene.render.resolution_percentage / 100
@@ -496,7 +507,7 @@ def scene_json(context, frame):
              "image": {"width": max(int(scene.render.resolution_x * share), 1), "height": max(int(scene.render.resolution_y * share), 1)},
              "camera": camera_json(scene, frame), "lights": lights,
              "shading": {key: tables.near(look.inputs[key.capitalize()].default_value) for key in ("ambient", "diffuse", "specular", "power")},
-             "background": background_of(scene),
+             "background": background_of(scene)[0],
              "step_voxels": min(max(step / voxel, 0.01), 4) if voxel and step > 0 else 0.25, "tf": tf}
     clips = noted(frame, scene, "isoshade_clip_planes", "[]")
     try:
