@@ -121,41 +121,56 @@ TEST(limits_follow_from_the_tier)
 
 /* ---- the example program ---- */
 
-/* What is planted: in the text of the program, `from` becomes `to`. */
+/* What is planted: in the text of the program, `from` becomes `to`. `mistake`: its name (validate/mistakes.c), for
+ * planted.py, which reads this table. */
 static const struct {
-    const char *what, *from, *to, *check;
+    const char *what, *from, *to, *check, *mistake;
 } faults[] = {
-    {"half a voxel off", "np.clip(p - 0.5, 0, last)", "np.clip(p, 0, last)", "placement"},
-    {"mirrored along x", "grid[z, y, x]", "grid[z, y, last[0] - x]", "placement"},
-    {"the volume of another day", "np.concatenate(grids, 3)", "np.concatenate(grids, 3)[::-1, ::-1, ::-1]",
-     "placement"},
-    {"rows from the bottom", "picture.astype", "picture[::-1].astype", "placement"},
-    {"half a pixel off", "(2 * np.arange(w) + 1 - w)", "(2 * np.arange(w) - w)", "placement"},
-    {"extinction for 10 % more length", "np.expm1(-sigma", "np.expm1(-1.1 * sigma", "slab"},
+    {"half a voxel off", "np.clip(p - 0.5, 0, last)", "np.clip(p, 0, last)", "placement",
+     "the volume stood half a voxel off against all axes"},
+    {"mirrored along x", "grid[z, y, x]", "grid[z, y, last[0] - x]", "placement", "the volume were mirrored along x"},
+    {"the volume of another day", "np.concatenate(grids, 3)", "np.concatenate(grids, 3)[::-1, ::-1, ::-1]", "placement",
+     "the voxels were stored in reverse order"},
+    {"rows from the bottom", "picture.astype", "picture[::-1].astype", "placement",
+     "the first row were the bottom one"},
+    {"half a pixel off", "(2 * np.arange(w) + 1 - w)", "(2 * np.arange(w) - w)", "placement",
+     "rays passed half a pixel to the left"},
+    {"extinction for 10 % more length", "np.expm1(-sigma", "np.expm1(-1.1 * sigma", "slab",
+     "extinction were for 10 % more length"},
     {"multiplied by alpha twice", "    return rgba.reshape(",
-     "    rgba[:, :3] *= rgba[:, 3:]\n    return rgba.reshape(", "slab"},
+     "    rgba[:, :3] *= rgba[:, 3:]\n    return rgba.reshape(", "slab", "color were multiplied by alpha twice"},
     {"not multiplied by alpha", "    return rgba.reshape(",
-     "    rgba[:, :3] /= np.maximum(rgba[:, 3:], 1e-9)\n    return rgba.reshape(", "slab"},
-    {"a picture in sRGB", "picture.astype", "(picture ** (1 / 2.2)).astype", "slab"},
-    {"channels in another order", "picture.astype", "picture[..., [2, 1, 0, 3]].astype", "slab"},
+     "    rgba[:, :3] /= np.maximum(rgba[:, 3:], 1e-9)\n    return rgba.reshape(", "slab",
+     "color were not multiplied by alpha"},
+    {"a picture in sRGB", "picture.astype", "(picture ** (1 / 2.2)).astype", "slab",
+     "the picture and its alpha had a gamma of 2.2"},
+    {"channels in another order", "picture.astype", "picture[..., [2, 1, 0, 3]].astype", "slab",
+     "red and blue were exchanged"},
     {"colors taken for sRGB", "np.column_stack((tf['color'],", "np.column_stack((np.power(tf['color'], 2.2),",
-     "transfer function"},
+     "transfer function", "the TF's colors were taken for values with a gamma of 2.2"},
     {"the range is off by an entry", "np.linspace(tf['lo'], tf['hi'],", "np.linspace(tf['lo'], tf['hi'] + 1 / 16,",
-     "transfer function"},
-    {"another level", "np.concatenate(grids, 3)",
-     "np.concatenate(grids, 3)[:, :, np.arange(r['volume']['size'][0]) // 2 * 2]", "transfer function"},
-    {"axes exchanged", "shade(r, field[:, 1:],", "shade(r, field[:, [2, 1, 3]],", "light"},
+     "transfer function", "the TF's range were off by one entry"},
+    {"another level", "    last = np.array(grid.shape[2::-1])",
+     "    fine = np.pad(grid, [(0, n % 2) for n in grid.shape[:3]] + [(0, 0)], 'edge')\n"
+     "    grid, p = sum(fine[i::2, j::2, k::2] for i, j, k in np.ndindex(2, 2, 2)) / 8, p / 2\n"
+     "    last = np.array(grid.shape[2::-1])",
+     "transfer function", "voxels were those of the next coarser level"},
+    {"axes exchanged", "shade(r, field[:, 1:],", "shade(r, field[:, [2, 1, 3]],", "light",
+     "x and y of the directions were exchanged"},
     {"gradients by the matrix itself", "shade(r, field[:, 1:],",
-     "shade(r, field[:, 1:] @ np.array(v['index_to_world'])[:, :3] @ np.array(v['index_to_world'])[:, :3].T,", "light"},
+     "shade(r, field[:, 1:] @ np.array(v['index_to_world'])[:, :3] @ np.array(v['index_to_world'])[:, :3].T,", "light",
+     "gradients went to the world by the matrix itself"},
     {"the light from the other side", "np.abs(n @ l['direction'])",
-     "np.abs(n @ (l['direction'] * np.array((-1, 1, 1))))", "light"},
-    {"lit on one side", "np.abs(n @ l['direction'])", "np.maximum(n @ l['direction'], 0)", "light"},
-    {"clipped at 1", "picture.astype", "np.minimum(picture, 1).astype", "light"},
-    {"back before front", "((a + b) / 2)[i, None]", "(t0 + t1 - (a + b) / 2)[i, None]", "order"},
+     "np.abs(n @ (l['direction'] * np.array((-1, 1, 1))))", "light", "diffuse light came from the mirrored side"},
+    {"lit on one side", "np.abs(n @ l['direction'])", "np.maximum(n @ l['direction'], 0)", "light",
+     "diffuse light were one-sided"},
+    {"clipped at 1", "picture.astype", "np.minimum(picture, 1).astype", "light", "the picture were clipped at 1"},
+    {"back before front", "((a + b) / 2)[i, None]", "(t0 + t1 - (a + b) / 2)[i, None]", "order",
+     "back and front were exchanged along the ray"},
     {"the view vector of the other projection", "-ray[i])", "-np.broadcast_to(c['forward'], ray[i].shape))",
-     "view vector"},
+     "view vector", "highlights had one view vector for all pixels"},
     {"not normalized after filtering", "d / np.sqrt((d * d).sum(1) + r['directions']['epsilon'] ** 2)[:, None]", "d",
-     "interpolation"},
+     "interpolation", "directions were not normalized after filtering"},
 };
 enum { FAULT_COUNT = sizeof faults / sizeof *faults };
 

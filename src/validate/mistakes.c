@@ -45,7 +45,8 @@ typedef struct wrong {
     bool negated[3];  /* components of directions */
     double extinction, range_entries, pixel_x, pixel_y;
     bool in_voxels, in_spacings; /* lengths */
-    curve tf, picture; /* of colors; alpha has none */
+    curve tf, picture; /* of colors */
+    bool encodes_alpha;
     bool linear_alpha; /* sigma length in place of 1 - exp(-sigma length) */
     bool swaps_xy, by_matrix, raw_normals, unlit, one_sided, one_sided_diffuse, other_light, other_diffuse_light;
     bool reversed, other_eye, one_eye;
@@ -101,6 +102,8 @@ typedef struct wrong {
     X(no_alpha, "color were not multiplied by alpha", w->no_alpha = true)                                           \
     X(srgb, "the picture were in sRGB", w->picture = SRGB)                                                          \
     X(gamma, "the picture had a gamma of 2.2", w->picture = GAMMA)                                                  \
+    X(srgb_alpha, "the picture and its alpha were in sRGB", (w->picture = SRGB, w->encodes_alpha = true))           \
+    X(gamma_alpha, "the picture and its alpha had a gamma of 2.2", (w->picture = GAMMA, w->encodes_alpha = true))   \
     X(channels, "red and blue were exchanged", w->swaps_channels = true)                                            \
     X(clipped, "the picture were clipped at 1", w->clipped = true)
 /* clang-format on */
@@ -299,7 +302,7 @@ static void spoil_pixel(const wrong *w, double rgba[4])
         rgba[2] = red;
     }
     for (int c = 0; c < 4; ++c) {
-        rgba[c] = c < 3 ? encode(w->picture, rgba[c]) : rgba[c];
+        rgba[c] = c < 3 || w->encodes_alpha ? encode(w->picture, rgba[c]) : rgba[c];
         rgba[c] = w->clipped ? fmin(rgba[c], 1) : rgba[c];
     }
 }
