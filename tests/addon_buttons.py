@@ -342,9 +342,12 @@ scene.collection.objects.link(lamp)
 certified("edits_are_named", "exposure 0.5 by 0.", "film exposure 1.5 by 0.", "The exact material ignores my lamp.")
 scene.view_settings.exposure, scene.cycles.film_exposure = 0.0, 1.0
 bpy.data.objects.remove(lamp)
-scene.render.use_stamp, layer = True, bpy.context.view_layer
+scene.render.use_stamp, scene.cycles.use_denoising, layer = True, True, bpy.context.view_layer
+scene.display_settings.display_device = 'XYZ' if bpy.app.version < (4, 0, 0) else 'Display P3'
 layer.material_override, shown.is_holdout = bpy.data.materials.new("mine"), True
-certified("settings_of_the_layer_are_left_out_by_name", f"Left out: material override mine, holdout of {shown.name}", "stamp")
+certified("settings_of_the_layer_are_left_out_by_name", f"material override mine, holdout of {shown.name}", "stamp", "display device")
+scene.display_settings.display_device, scene.cycles.use_denoising = 'sRGB', False
+scene.view_settings.view_transform = 'Standard'
 scene.render.use_stamp, layer.material_override, shown.is_holdout = False, None, False
 world, size = scene.world, (scene.render.resolution_x, scene.render.resolution_y)
 scene.world = bpy.data.worlds.new("plain")

@@ -104,8 +104,8 @@ def own_sentence(result, reasons):
     changes += [f"{result['view']['what']} by {result['view']['rmse']:.2g} of shown colors"] if result["view"] else []
     if changes:
         said += f" Settings change it: {', '.join(changes)}."
-    left_out = result["features"] + result["objects"]
-    said += f" Left out: {names_of(left_out)}." if left_out else ""
+    left_out = ", ".join(result["features"] + ([names_of(result["objects"])] if result["objects"] else []))
+    said += f" Left out: {left_out}." if left_out else ""
     return said + (f" The exact material ignores {names_of(result['lamps'])}." if result["lamps"] else "")
 
 

@@ -132,11 +132,13 @@ def shown_colors(scene, folder):
 
 def color_management(scene, folder):
     """Returns the change of the shown colors by the scene's color management, with its words; None: there is none."""
-    view = scene.view_settings
+    view, display = scene.view_settings, scene.display_settings
     words = [f"{key.replace('_', ' ')} {getattr(view, key)}" for key, standard in SEEN if getattr(view, key) != standard]
+    words += [f"display device {display.display_device}"] if display.display_device != 'sRGB' else []
     if not words:
         return None
     have = shown_colors(scene, folder)
+    display.display_device = 'sRGB'
     for key, standard in SEEN:
         setattr(view, key, standard)
     return {"what": ", ".join(words), "rmse": apart(have, shown_colors(scene, folder))}
@@ -145,8 +147,15 @@ def color_management(scene, folder):
 def measure(scene, plan):
     folder = plan["folder"]
     reference = load(plan["reference"])
-    picture = render(scene, os.path.join(folder, "as-it-stands.exr"))
-    result = {"as_it_stands": apart(picture, reference), "settings": []}
+    path, features = os.path.join(folder, "as-it-stands.exr"), []
+    try:
+        picture = render(scene, path)
+    except RuntimeError:
+        if not scene.cycles.use_denoising:
+            raise
+        scene.cycles.use_denoising, features = False, ["denoising, which this Blender lacks"]
+        picture = render(scene, path)
+    result = {"as_it_stands": apart(picture, reference), "settings": [], "features": features}
     view = color_management(scene, folder)
     cycles = scene.cycles
     for key, wanted, words in SETTINGS:
@@ -177,7 +186,8 @@ def main():
     features = layer_settings(scene.view_layers[plan["layer"]], [thing for thing in frame.children if thing.type == 'VOLUME'])
     objects = keep_alone(scene, frame)
     features += turn_off(scene, plan)
-    result = {**measure(scene, plan), "objects": objects, "features": features, "lamps": lamps}
+    result = {"objects": objects, "lamps": lamps, **measure(scene, plan)}
+    result["features"] += features
     with open(os.path.join(plan["folder"], "result.json"), "w", encoding="utf-8") as file:
         json.dump(result, file, indent=1)
 
