@@ -8,7 +8,9 @@ import re
 import signal
 import sys
 import tempfile
+import types
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -179,6 +181,8 @@ LOOKUP_TABLE default
             np.testing.assert_array_equal(v.index_to_world, [[1, 0, 0, 0], [0, -1, 0, 3.5], [0, 0, 2.5, 8.75]])
         with self.assertRaisesRegex(ValueError, "along x are not even, 1 to 2 apart"):
             iso.Volume(DataArray(a, ("z", "y", "x"), {**coords, "x": [0, 1, 2, 4]}))
+        with self.assertRaisesRegex(ValueError, "along y have the type <U1, must be lengths"):
+            iso.Volume(DataArray(a, ("z", "y", "x"), {**coords, "y": ["a", "b", "c"]}))
 
     def test_xarray(self):
         try:
@@ -358,6 +362,33 @@ class LongCalls(unittest.TestCase):
         with self.assertRaises(KeyboardInterrupt):
             self.pyramid.render(renderer=renderer, size=self.SIZE, step=0.01, progress=interrupt)
         self.assertLess(max(reports), 0.5)
+
+    def test_a_bar_shows_all_stages_and_is_closed(self):
+        shown, closed = [], []
+
+        class Bar:
+            """The part of tqdm that is used."""
+
+            def __init__(self, total, bar_format):
+                self.total = total
+
+            def set_description_str(self, text, refresh):
+                self.text = text
+
+            def refresh(self):
+                shown.append((self.text, self.n / self.total, len(closed)))
+
+            def close(self):
+                closed.append(self)
+
+        with unittest.mock.patch.dict(sys.modules, {"tqdm": types.SimpleNamespace(), "tqdm.auto":
+                                                    types.SimpleNamespace(tqdm=Bar)}):
+            self.pyramid.plan(size=16, progress=True)
+            self.assertLessEqual({("plan", 1, 0), ("verify", 1, 0)}, set(shown))
+            self.assertEqual(len(closed), 1)
+            with self.assertRaises(iso.Error):
+                self.pyramid.render(level=9, progress=True)
+            self.assertEqual(len(closed), 2)
 
     def test_an_exception_of_the_progress_function_ends_a_call(self):
         with self.assertRaises(ZeroDivisionError):

@@ -314,28 +314,27 @@ def take_bytes(pointer, size):
 
 
 def _bar(progress):
-    """Returns a function of (stage, fraction) for the argument `progress` of long calls."""
+    """Returns a function of (stage, fraction) for the argument `progress` of long calls, and the bar to close."""
     if progress is None or progress is False or callable(progress):
-        return progress or None
+        return progress or None, None
     try:
         from tqdm.auto import tqdm
     except ImportError:
-        return None
+        return None, None
     bar = tqdm(total=100, bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}")
 
-    def show(stage, fraction):
-        bar.set_description_str(stage)
-        bar.update(100 * fraction - bar.n)
-        if fraction >= 1:
-            bar.close()
-    return show
+    def show(stage, fraction):  # a call has several stages
+        bar.set_description_str(stage, refresh=False)
+        bar.n = 100 * fraction
+        bar.refresh()
+    return show, bar
 
 
 class _Watch:
     """The progress function of one call: it reports, and cancels after Ctrl-C or an exception."""
 
     def __init__(self, progress):
-        self.report = _bar(progress)
+        self.report, self.bar = _bar(progress)
         self.canceled = threading.Event()
         self.failure = None
         self.callback = PROGRESS(self._progress)
@@ -395,6 +394,9 @@ def call_long(name, *arguments, options, progress=None, watch=None):
         if watch.failure:
             raise watch.failure
         raise
+    finally:
+        if watch.bar:
+            watch.bar.close()
     if watch.failure:
         raise watch.failure
 

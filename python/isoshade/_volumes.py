@@ -59,6 +59,8 @@ def _matrix_of_coordinates(array):
     matrix = np.zeros((3, 4))
     for row, dim in enumerate(reversed(array.dims)):
         at = np.asarray(array.coords[dim]) if dim in array.coords else np.arange(array.shape[2 - row]) + 0.5
+        if at.dtype.kind not in "iuf":
+            raise ValueError(f"coordinates along {dim} have the type {at.dtype}, must be lengths in mm; pass spacing")
         steps = np.diff(at.astype(float)) if len(at) > 1 else np.ones(1)
         if not np.allclose(steps, steps[0], rtol=1e-3) or steps[0] == 0:
             raise ValueError(f"coordinates along {dim} are not even, {steps.min():g} to {steps.max():g} apart; "
