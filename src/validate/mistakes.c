@@ -460,17 +460,35 @@ static fit fit_single(const search *s, size_t a)
     return f;
 }
 
-/* Estimates the fit of a pair: differences of two mistakes are added. */
+/* Makes a mistake alone. Returns true if it changes single pixels of the finished picture. */
+static bool spoils_pixels(size_t mistake, wrong *w)
+{
+    *w = (wrong){.extinction = 1};
+    mistakes[mistake].make(w);
+    return w->picture != LINEAR || w->alpha_twice || w->no_alpha || w->swaps_channels || w->clipped;
+}
+
+/* Estimates the fit of a pair. Differences of two mistakes are added, unless one changes the picture of the other: sums
+ * are far from that. */
 static fit guess_pair(const search *s, size_t a, size_t b)
 {
+    wrong w;
+    const bool is_first = spoils_pixels(a, &w), is_spoiled = is_first || spoils_pixels(b, &w);
     fit f = {.a = a, .b = b, .explains = true};
     for (int check = 0; check < ISO_CALIBRATION_COUNT; ++check) {
         const float *right = s->right + (size_t)check * VALUES,
                     *one = single_of(s, a, check), *two = single_of(s, b, check), *picture = s->pictures[check];
         double left = 0;
-        for (size_t i = 0; s->is_there[check] && i < VALUES; ++i) {
-            const double d = (double)picture[i] - (double)one[i] - (double)two[i] + (double)right[i];
-            left += d * d;
+        for (size_t i = 0; s->is_there[check] && i < VALUES; i += 4) {
+            double rgba[4];
+            for (size_t c = 0; c < 4; ++c)
+                rgba[c] = is_first     ? (double)two[i + c]
+                          : is_spoiled ? (double)one[i + c]
+                                       : (double)one[i + c] + (double)two[i + c] - (double)right[i + c];
+            if (is_spoiled)
+                spoil_pixel(&w, rgba);
+            for (size_t c = 0; c < 4; ++c)
+                left += ((double)picture[i + c] - rgba[c]) * ((double)picture[i + c] - rgba[c]);
         }
         if (s->is_there[check])
             add_check(s, check, left, &f);
