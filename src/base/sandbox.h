@@ -3,7 +3,7 @@
  *
  * It uses only Linux features that every process may use, without helpers or namespaces. So it works in containers and
  * for root. (bubblewrap 0.8 needs namespaces of users, which containers often forbid, and 15 ms a program: this would
- * have to stay beside it.)
+ * have to stay next to it.)
  *
  *   Landlock             writes, new files, removals and renames outside of allowed folders fail with EACCES or EXDEV;
  *                        no signals to processes outside (from Linux 6.12 on)
