@@ -132,20 +132,60 @@ expect an_input_that_is_missing 3 patiently mpirun -n 2 --oversubscribe "$ISOSHA
 check is_no_death no_death
 check and_one_message test "$(grep -c '^isoshade validate:' err)" = 1
 
-# The process of rank 1 that works, a child of the one that mpirun started, is killed while it draws.
+# The process of rank 1 that works in FOLDER, a child of the one that mpirun started, is killed while it draws.
 of_rank_1() {
     pgrep -x isoshade | while read -r p; do
-        grep -qz OMPI_COMM_WORLD_RANK=1 /proc/$p/environ && [ "$(readlink /proc/$p/cwd)" = "$dir/killed" ] && echo "$p"
+        grep -qz OMPI_COMM_WORLD_RANK=1 /proc/$p/environ && [ "$(readlink /proc/$p/cwd)" = "$dir/$1" ] && echo "$p"
     done 2>/dev/null
 }
 kill_worker() {
-    until [ -n "$(ls killed/r.work/*.picture 2>/dev/null)" ] && [ "$(of_rank_1 | wc -l)" = 2 ]; do sleep 0.01; done
-    kill -9 "$(of_rank_1 | tail -n 1)"
+    until [ -n "$(ls "$1"/r.work/*.picture 2>/dev/null)" ] && [ "$(of_rank_1 "$1" | wc -l)" = 2 ]; do sleep 0.01; done
+    kill -9 "$(of_rank_1 "$1" | tail -n 1)"
 }
-kill_worker &
+kill_worker killed &
 expect a_rank_that_dies_does_not_end_the_job 0 by_two killed --size 48
 kill $! 2>/dev/null
 check it_is_reported grep -q 'rank 1 died of signal 9' err
 expect the_same_alone 0 validate whole --size 48
 check and_its_pictures_are_drawn same_report whole killed
+
+# ---- figure: ranks share the frames of a turntable; other commands refuse ranks ---------------------------------------
+turn() { # FOLDER, options
+    mkdir -p "$1" && (cd "$1" && patiently ${RANKS:+mpirun -n $RANKS --oversubscribe} "$ISOSHADE" figure ../shells.nrrd \
+        --kind turntable --frames 12 --with reference --formats png --dpi 40 --threads 1 -o r --json "${@:2}")
+}
+same_frames() { cmp "$1/r/turntable.png" "$2/r/turntable.png" && diff -r "$1/r/frames" "$2/r/frames"; }
+turn_by_two() { RANKS=2 turn "$@"; }
+expect one_rank_turns 0 turn turned
+check alone_it_counts_no_ranks bash -c '! grep -q ranks out'
+expect two_ranks_turn 0 turn_by_two turned-by-two
+check of_the_frames_each_drew_some grep -qE '"frames_of_other_ranks": ([1-9]|1[01])$' out
+check with_the_same_frames same_frames turned turned-by-two
+check the_frames_in_between_are_removed test ! -e turned-by-two/r.work
+kill_worker turned-killed &
+expect a_turning_rank_dies 0 turn_by_two turned-killed
+kill $! 2>/dev/null
+check it_is_reported_too grep -q 'isoshade figure: warning: rank 1 died of signal 9' err
+check and_its_frames_are_drawn same_frames turned turned-killed
+expect another_view_turns 0 turn other-turn --view left
+check and_other_frames_would_be_seen bash -c '! cmp turned/r/turntable.png other-turn/r/turntable.png'
+
+two() { patiently mpirun -n 2 --oversubscribe "$ISOSHADE" "$@"; }
+refuses() { # NAME, message's beginning, command: exit code 2, one message, no output
+    expect "$1" 2 two "${@:3}"
+    check "${1}_in_one_message" test "$(grep -c '^isoshade' err)" = 1
+    check "${1}_by_name" grep -q "^isoshade $2: .*start one process" err
+    check "${1}_without_output" test ! -e refused
+}
+refuses rendering_refuses_ranks render render shells.nrrd -o refused
+refuses a_chart_does chart chart shells.nrrd -o refused
+refuses a_benchmark_does 'bench build' bench build --size 16
+refuses another_kind_of_figure_does figure figure shells.nrrd --kind levels -o refused
+expect help_is_for_any_rank 0 two render --help
+expect one_rank_renders 0 patiently mpirun -n 1 --oversubscribe "$ISOSHADE" render shells.nrrd --size 8 -o one.png
+expect independent_processes_render 0 patiently mpirun -n 2 --oversubscribe env -u OMPI_COMM_WORLD_SIZE -u PMI_SIZE \
+    sh -c '"$0" render shells.nrrd --size 8 -o rank$OMPI_COMM_WORLD_RANK.png' "$ISOSHADE"
+check each_of_its_own cmp rank0.png rank1.png
+expect the_ranks_of_srun_are_seen 2 env SLURM_PROCID=0 SLURM_STEP_NUM_TASKS=2 "$ISOSHADE" render shells.nrrd -o refused
+expect but_its_batch_script_is_one 0 env SLURM_PROCID=0 SLURM_NTASKS=2 "$ISOSHADE" render shells.nrrd --size 8 -o one.png
 exit $failed

@@ -37,11 +37,11 @@ int iso_ranks_is_other(void)
     return from_environment("OMPI_COMM_WORLD_RANK", "PMI_RANK", 0) > 0;
 }
 
-iso_ranks_place iso_ranks_find_place(void)
+static iso_ranks_place read_place(void)
 {
     static const char *const jobs[] = {"PMIX_NAMESPACE", "OMPI_MCA_ess_base_jobid", "SLURM_JOB_ID", "SLURM_STEP_ID"};
-    const int slurm_index = from_environment("SLURM_PROCID", "PMI_RANK", 0),
-              slurm_count = from_environment("SLURM_NTASKS", "PMI_SIZE", 1);
+    const int slurm_index = from_environment("SLURM_PROCID", "SLURM_PROCID", 0),
+              slurm_count = from_environment("SLURM_STEP_NUM_TASKS", "SLURM_NTASKS", 1);
     iso_ranks_place p = {.index = from_environment("OMPI_COMM_WORLD_RANK", "PMI_RANK", slurm_index),
                          .count = from_environment("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", slurm_count)};
     size_t length = 0;
@@ -53,6 +53,36 @@ iso_ranks_place iso_ranks_find_place(void)
     if (p.count < 1 || p.index < 0 || p.index >= p.count)
         p.index = 0, p.count = 1;
     return p;
+}
+
+iso_ranks_place iso_ranks_find_place(void)
+{
+    static iso_ranks_place place;
+    if (place.count == 0)
+        place = read_place();
+    return place;
+}
+
+/* Without SLURM_NTASKS, which the batch script that calls srun has, too. */
+static const char *const counts[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"};
+enum { COUNTS = sizeof counts / sizeof *counts };
+
+const char *iso_ranks_variable(void)
+{
+    static const char *found;
+    for (size_t i = 0; i < COUNTS && !found; ++i) {
+        const char *text = getenv(counts[i]);
+        found = text && atoi(text) > 1 ? counts[i] : NULL;
+    }
+    return found;
+}
+
+void iso_ranks_hide(void)
+{
+    iso_ranks_find_place();
+    iso_ranks_variable();
+    for (size_t i = 0; i < COUNTS; ++i)
+        unsetenv(counts[i]);
 }
 
 static void work_as_child(pid_t parent, void (*work)(void *user, const char *folder), void *user, const char *folder)

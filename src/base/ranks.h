@@ -30,6 +30,10 @@ typedef struct iso_ranks_place {
     char job[128];    /* the same for all ranks of a job, another one for the next; may be empty */
 } iso_ranks_place;
 iso_ranks_place iso_ranks_find_place(void);
+/* Returns the name of the variable by which mpirun or srun made this process one of several, or NULL. */
+const char *iso_ranks_variable(void);
+/* Hides the place from programs that this process starts: each is started once. Call it before threads are started. */
+void iso_ranks_hide(void);
 /* Runs the work in a child process with a private folder, which is removed afterwards. This process survives its failure
  * or death. Call it before threads are started. Returns the signal that ended the child, or 0. */
 int iso_ranks_run_apart(void (*work)(void *user, const char *folder), void *user);

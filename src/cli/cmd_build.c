@@ -425,4 +425,5 @@ const iso_command iso_command_build = {
                         .memory_mb = 900, .save_seconds = ISO_STREAM_SAVE_SECONDS),
     .run = run,
     .run_words = run_alone_or_as_rank,
+    .shares_ranks = true,
 };

@@ -1,17 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_figure.c - makes a publication figure of one of the kinds in src/figure. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/path.h"
+#include "base/ranks.h"
+#include "cli/rank_run.h"
 #include "figure/job.h"
 #include "options/cli.h"
 #include "options/input.h"
+#include "renderers/picture_store.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 
 typedef struct figure_arguments {
     iso_figure_job job;
     char *output, *kind, *map, *zoom, *error, *background;
+    char *rank_output; /* of a rank other than 0 */
 } figure_arguments;
 
 /* Reads --zoom: one number enlarges the middle of the picture, four choose a part of it. */
@@ -118,6 +124,35 @@ static const iso_option options[] = {
     ISO_OPTIONS_END,
 };
 
+/* Opens the pictures that this rank shares with others of its job; without others, nothing. */
+static iso_status open_store(figure_arguments *a, const iso_cli *cli, iso_error *err)
+{
+    static const char *const without[] = {"threads", NULL};
+    iso_figure_job *job = &a->job;
+    const iso_ranks_place place = iso_ranks_find_place();
+    if (iso_ranks_variable() && !(job->kind->takes & ISO_FIGURE_HAS_RANKS))
+        return iso_fail(err, ISO_E_USAGE, "--kind %s: several ranks cannot share it; start one process",
+                        job->kind->name);
+    if (place.count == 1 || !job->output || !(job->kind->takes & ISO_FIGURE_HAS_RANKS))
+        return ISO_OK;
+    const char *rank_folder = iso_cli_rank_folder();
+    char *folder = iso_cli_work_folder(job->output);
+    iso_key *key = iso_cli_key(cli, without);
+    iso_status status = folder && key ? iso_key_add_surroundings(key, err)
+                                      : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (status == ISO_OK && rank_folder) {
+        status = iso_picture_store_join(folder, key, &place, iso_cli_end_rank, &job->store, err);
+        job->end_rank = iso_cli_end_rank;
+        job->output = a->rank_output = iso_path_join(rank_folder, "figure");
+    } else if (status == ISO_OK) {
+        status = iso_picture_store_open(folder, &job->store, err);
+        TRY(status, iso_picture_store_begin(job->store, false, key, &place, err));
+    }
+    iso_key_destroy(key);
+    free(folder);
+    return status;
+}
+
 static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     figure_arguments *a = values;
@@ -129,7 +164,10 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
     job->input = cli->argument_count ? cli->arguments[0] : NULL;
     job->output = a->output;
     iso_status status = take_names(a, err);
+    TRY(status, open_store(a, cli, err));
     TRY(status, iso_figure_make(job, err));
+    iso_picture_store_close(job->store, true);
+    free(a->rank_output);
     if (status == ISO_OK)
         print_result(a);
     json_decref(job->facts);
@@ -151,7 +189,8 @@ const iso_command iso_command_figure = {
         "--sources keeps figure.gp: edit it or style.gp and run gnuplot there.\n"
         "--methods: on-the-fly, naive, eq1 and moments make directions in different ways, under the original transfer function;\n"
         "with +adapted, such as naive+adapted, under the one adapted to each level; optimized is the level of build --for.\n"
-        "--kind levels takes default,optimized.",
+        "--kind levels takes default,optimized.\n"
+        "Under mpirun or srun, ranks share the frames of --kind turntable by DIR.work, which all must see.",
     .lists = (const iso_names *const[]){&iso_figure_kind_names, &iso_colormap_names, &iso_tf_preset_names,
                                         &iso_viewpoint_names, NULL},
     .common =
@@ -169,4 +208,6 @@ const iso_command iso_command_figure = {
     ISO_COMMAND_OPTIONS(figure_arguments, options,
                         .job = {.width_mm = 178, .height_mm = 230, .dpi = 300, .adapted = ISO_CLI_ADAPTED_DEFAULTS}),
     .run = run,
+    .run_words = iso_cli_run_as_rank,
+    .shares_ranks = true,
 };

@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/file.h"
 #include "base/json.h"
@@ -16,6 +15,7 @@
 #include "base/unfinished.h"
 #include "base/work.h"
 #include "cli/made_volume.h"
+#include "cli/rank_run.h"
 #include "options/visible.h"
 #include "renderers/external.h"
 #include "renderers/picture_store.h"
@@ -119,16 +119,6 @@ static void report_work(iso_report *r)
     json_decref(work);
 }
 
-/* Returns DIR.work, to be freed. NULL: no memory. */
-static char *store_folder(const iso_validate_arguments *a)
-{
-    char *folder = NULL;
-    size_t end = strlen(a->output);
-    while (end > 1 && a->output[end - 1] == '/')
-        --end;
-    return asprintf(&folder, "%.*s.work", (int)end, a->output) < 0 ? NULL : folder;
-}
-
 /* How to resume. Static, because the signal handler prints it. */
 static char last_words[4200];
 
@@ -136,19 +126,13 @@ static char last_words[4200];
  * before the input is read: it refuses a user's folder, and locks out other runs for the same report. */
 static iso_status open_store(const iso_validate_arguments *a, iso_picture_store **store, iso_error *err)
 {
-    char *folder = store_folder(a);
+    char *folder = iso_cli_work_folder(a->output);
     const iso_status status = folder ? iso_picture_store_open(folder, store, err)
                                      : iso_fail(err, ISO_E_MEMORY, "out of memory");
     snprintf(last_words, sizeof last_words, "isoshade validate: stopped; continue from %s with --resume\n",
              folder ? folder : "");
     free(folder);
     return status;
-}
-
-/* Ends a rank whose pictures nobody needs any more. */
-static void end_rank(void)
-{
-    _exit(EXIT_SUCCESS);
 }
 
 static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cli, iso_picture_store **store,
@@ -161,7 +145,7 @@ static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cl
     iso_key *key = iso_cli_key(cli, without);
     iso_status status = key ? iso_key_add_surroundings(key, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK && a->shared)
-        status = iso_picture_store_join(a->shared, key, &place, end_rank, store, err);
+        status = iso_picture_store_join(a->shared, key, &place, iso_cli_end_rank, store, err);
     else if (status == ISO_OK)
         status = iso_picture_store_begin(*store, a->resume, key, &place, err);
     if (status == ISO_OK && !a->shared)
@@ -176,7 +160,7 @@ static iso_status close_store(const iso_validate_arguments *a, iso_picture_store
 {
     if (!*store)
         return status;
-    char *folder = store_folder(a);
+    char *folder = iso_cli_work_folder(a->output);
     const iso_error why = *err;
     iso_unfinished_say(NULL);
     iso_picture_store_close(*store, remove);
@@ -486,16 +470,13 @@ static const iso_option options[] = {
     ISO_OPTIONS_END,
 };
 
-/* Private folder of a rank other than 0, or NULL. */
-static const char *rank_folder;
-
 /* Lets a rank other than 0 run the whole validation for the pictures. Its report is dropped with the folder. */
 static iso_status be_other_rank(iso_validate_arguments *a, iso_error *err)
 {
     if (!a->output)
         return iso_fail(err, ISO_E_USAGE, "-o is missing");
-    a->shared = store_folder(a);
-    a->output = iso_path_join(rank_folder, "report");
+    a->shared = iso_cli_work_folder(a->output);
+    a->output = iso_path_join(iso_cli_rank_folder(), "report");
     a->junit = a->summary_md = NULL;
     a->viewer = a->resume = 0;
     return a->shared && a->output ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
@@ -505,42 +486,15 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     iso_validate_arguments a = *(iso_validate_arguments *)values; /* whose texts the caller frees */
     iso_cli of_rank = *cli;
-    of_rank.quiet = cli->quiet || rank_folder;
+    of_rank.quiet = cli->quiet || iso_cli_rank_folder();
     if (a.gl_device)
         setenv(ISO_GL_DEVICE_VARIABLE, a.gl_device, 1);
-    iso_status status = rank_folder ? be_other_rank(&a, err) : ISO_OK;
+    iso_status status = iso_cli_rank_folder() ? be_other_rank(&a, err) : ISO_OK;
     TRY(status, check_and_run(&a, &of_rank, err));
     if (a.shared)
         free(a.output);
     free(a.shared);
     return status;
-}
-
-typedef struct other_rank {
-    const iso_command *self;
-    int argc;
-    const char **argv;
-} other_rank;
-
-static void run_other_rank(void *user, const char *folder)
-{
-    const other_rank *r = user;
-    iso_error err = {""}; /* of rank 0 alone a message is seen */
-    rank_folder = folder;
-    iso_command_parse_and_run(r->self, r->argc, r->argv, &err);
-}
-
-/* A rank other than 0 works in a child: if that dies, the job goes on, and the others draw its pictures. */
-static iso_status run_alone_or_as_rank(const iso_command *self, int argc, const char **argv, iso_error *err)
-{
-    const int index = iso_ranks_find_place().index;
-    if (index == 0)
-        return iso_command_parse_and_run(self, argc, argv, err);
-    const int signal = iso_ranks_run_apart(run_other_rank, &(other_rank){self, argc, argv});
-    if (signal != 0)
-        fprintf(stderr, "isoshade validate: warning: rank %d died of signal %d; the others draw its pictures\n", index,
-                signal);
-    return ISO_OK;
 }
 
 const iso_command iso_command_validate = {
@@ -580,5 +534,6 @@ const iso_command iso_command_validate = {
     .lists = (const iso_names *const[]){&iso_tf_preset_names, &iso_viewpoint_names, NULL},
     ISO_COMMAND_OPTIONS(iso_validate_arguments, options, .budget = ISO_NO_BUDGET),
     .run = run,
-    .run_words = run_alone_or_as_rank,
+    .run_words = iso_cli_run_as_rank,
+    .shares_ranks = true,
 };

@@ -36,6 +36,8 @@ typedef struct iso_figure_job {
     int level, levels, frames;
     const void *more; /* options of kinds of another table, or NULL */
     json_t *facts;    /* an object: counts and measurements of a kind, for --json */
+    struct iso_picture_store *store; /* shared with other ranks of the job; borrowed, or NULL */
+    void (*end_rank)(void);          /* of a rank other than 0, called after its pictures; does not return. Or NULL */
     double inset[4];  /* as parts of the picture: left, top, width, height; zeroed: none */
 } iso_figure_job;
 
@@ -60,7 +62,8 @@ enum {
     ISO_FIGURE_HAS_CASE = 1 << 17,
     ISO_FIGURE_HAS_ERROR = 1 << 18,
     ISO_FIGURE_HAS_LOOKS = 1 << 19, /* several of --tf and --view */
-    ISO_FIGURE_HAS_MORE = 1 << 20,  /* the first of the options of kinds of another table */
+    ISO_FIGURE_HAS_RANKS = 1 << 20, /* ranks of one job share the pictures */
+    ISO_FIGURE_HAS_MORE = 1 << 21,  /* the first of the options of kinds of another table */
 };
 
 struct iso_figure_info {

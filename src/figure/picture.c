@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/provenance.h"
+#include "renderers/picture_store.h"
 #include "scene/subject.h"
 
 iso_status iso_figure_scene_tf(const iso_scene *scene, const iso_pyramid *p, iso_tf_table *tf, iso_error *err)
@@ -24,6 +25,7 @@ iso_status iso_figure_subject_load(iso_figure_subject *s, const iso_figure_job *
     iso_pyramid_options options = build ? *build : iso_pyramid_defaults();
     const iso_progress progress = iso_cli_progress(job->cli);
     s->job = job;
+    s->renderers.store = job->store;
     options.threads = job->cli->threads;
     options.level_count = level_count;
     iso_status status = iso_cli_look_check(&job->look, job->cli->threads, &look, err);
@@ -129,6 +131,17 @@ static iso_status make_view(iso_figure_subject *s, const iso_figure_picture *wha
     return status;
 }
 
+/* Lets ranks share the pictures of a renderer that draws from now on. */
+static iso_status share_pictures(iso_figure_subject *s, const iso_renderer_info *r, iso_error *err)
+{
+    char version[320];
+    if (!s->renderers.store || s->drawn_by == r)
+        return ISO_OK;
+    NEED(r->version(r, &s->renderers, version, sizeof version, err));
+    iso_picture_store_set_version(s->renderers.store, r, version);
+    return ISO_OK;
+}
+
 iso_status iso_figure_render(iso_figure_subject *s, const iso_figure_picture *what, iso_image *image,
                              double *mm_per_pixel, iso_error *err)
 {
@@ -143,6 +156,7 @@ iso_status iso_figure_render(iso_figure_subject *s, const iso_figure_picture *wh
     iso_status status = make_view(s, what, &view, err);
     if (status == ISO_OK && !s->job->with && !what->named)
         iso_renderers_choose(&s->pyramid, &view, &opt);
+    TRY(status, share_pictures(s, opt.renderer, err));
     s->drawn_by = opt.renderer;
     TRY(status, iso_render_with(&request, image, NULL, err));
     TRY(status, iso_render_check_finite(opt.renderer, image, err));

@@ -10,6 +10,7 @@
 #include "figure/columns.h"
 #include "figure/kinds_of_volume.h"
 #include "figure/picture.h"
+#include "renderers/picture_store.h"
 
 enum { USUAL_FRAMES = 8, SHOWN_OF_MANY = 32 };
 
@@ -32,8 +33,8 @@ static iso_status save_frame(const turned *t, size_t frame, const iso_image *ima
     return status;
 }
 
-static iso_status render_frame(turned *t, size_t frame, size_t width, size_t height, iso_image *image,
-                               double *mm_per_pixel, iso_error *err)
+static iso_status draw_frame(turned *t, size_t frame, size_t width, size_t height, iso_image *image,
+                             double *mm_per_pixel, iso_error *err)
 {
     const iso_figure_picture what = {.with = t->with,
                                      .level = t->level,
@@ -41,9 +42,30 @@ static iso_status render_frame(turned *t, size_t frame, size_t width, size_t hei
                                      .height = height,
                                      .turn_deg = 360.0 * (double)frame / (double)t->frames,
                                      .turns = t->frames};
-    iso_status status = iso_figure_render(&t->subject, &what, image, mm_per_pixel, err);
+    return iso_figure_render(&t->subject, &what, image, mm_per_pixel, err);
+}
+
+static iso_status render_frame(turned *t, size_t frame, size_t width, size_t height, iso_image *image,
+                               double *mm_per_pixel, iso_error *err)
+{
+    iso_status status = draw_frame(t, frame, width, height, image, mm_per_pixel, err);
     TRY(status, iso_animation_add(t->animation, image, err));
     return status == ISO_OK ? save_frame(t, frame, image, err) : status;
+}
+
+/* Draws the frames for rank 0, from the end of this rank's share backwards: so it meets the rank before it. */
+static iso_status draw_as_other_rank(turned *t, size_t width, size_t height, iso_error *err)
+{
+    const size_t end = iso_picture_store_share(t->subject.renderers.store, t->frames).end;
+    iso_status status = ISO_OK;
+    for (size_t i = t->frames; i > 0 && status == ISO_OK; --i) {
+        iso_image image = {0};
+        status = draw_frame(t, (end + i - 1) % t->frames, width, height, &image, NULL, err);
+        iso_image_destroy(&image);
+    }
+    if (status == ISO_OK)
+        t->subject.job->end_rank();
+    return status;
 }
 
 static size_t frame_of(const turned *t, size_t column)
@@ -57,6 +79,8 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
 {
     turned *t = user;
     const size_t first = frame_of(t, column), end = frame_of(t, column + 1);
+    if (t->subject.job->end_rank)
+        return draw_as_other_rank(t, width, height, err);
     iso_status status = render_frame(t, first, width, height, image, mm_per_pixel, err);
     for (size_t i = first + 1; i < end && status == ISO_OK; ++i) {
         iso_image between = {0};
@@ -121,6 +145,9 @@ static iso_status draw_turntable(const iso_figure_job *job, iso_page *page, iso_
     TRY(status, iso_animation_create(&t.animation, path, t.frames, 0.1, err));
     TRY(status, draw_frames(&t, job, page, err));
     TRY(status, iso_animation_finish(t.animation, err));
+    if (job->store)
+        json_object_set_new(job->facts, "frames_of_other_ranks",
+                            json_integer((json_int_t)iso_picture_store_taken(job->store)));
     iso_animation_destroy(t.animation);
     iso_figure_subject_end(&t.subject);
     free(path);
@@ -132,6 +159,6 @@ const iso_figure_info iso_figure_turntable = {
     .name = "turntable",
     .summary = "the volume from all sides: frames side by side, as animation turntable.png, and as files",
     .takes = ISO_FIGURE_OF_VOLUME | ISO_FIGURE_HAS_LOOK | ISO_FIGURE_HAS_WITH | ISO_FIGURE_HAS_LEVEL |
-             ISO_FIGURE_HAS_ADAPT | ISO_FIGURE_HAS_FRAMES,
+             ISO_FIGURE_HAS_ADAPT | ISO_FIGURE_HAS_FRAMES | ISO_FIGURE_HAS_RANKS,
     .draw = draw_turntable,
 };

@@ -11,6 +11,7 @@
 #include "base/json.h"
 #include "base/process.h"
 #include "base/provenance.h"
+#include "base/ranks.h"
 #include "options/overwrite.h"
 
 static const char *program = "isoshade";
@@ -437,6 +438,19 @@ static iso_status parse(iso_cli *cli, all_options *all, bool *runs, iso_error *e
                : status;
 }
 
+/* Refuses a command that each rank of a job would run whole. Rank 0 reports it: when one rank fails, mpirun ends all. */
+static iso_status refuse_ranks(const iso_command *command, bool *runs, iso_error *err)
+{
+    const char *variable = command->shares_ranks || command->is_inner ? NULL : iso_ranks_variable();
+    *runs = !variable;
+    if (!variable || iso_ranks_find_place().index > 0)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_USAGE,
+                    "several ranks were started, which cannot share its work; start one process, or unset %s for "
+                    "independent ones",
+                    variable);
+}
+
 iso_status iso_command_parse_and_run(const iso_command *command, int argc, const char **argv, iso_error *err)
 {
     iso_cli cli = {.argc = argc, .argv = argv, .command = command};
@@ -444,6 +458,8 @@ iso_status iso_command_parse_and_run(const iso_command *command, int argc, const
     bool runs = false;
     iso_status status = bind(command, &all, err);
     TRY(status, parse(&cli, &all, &runs, err));
+    if (status == ISO_OK && runs)
+        status = refuse_ranks(command, &runs, err);
     if (status == ISO_OK && runs)
         status = command->run(&cli, all.own.values, err);
     iso_progress_line_destroy(cli.progress);

@@ -31,6 +31,7 @@ typedef struct iso_command {
     const iso_names *const *lists; /* names that its options choose from, for --help; ends with NULL, or NULL */
     const char *examples;          /* lines that run, each starting with "isoshade" */
     const char *common;            /* options that --help shows, separated by blanks; NULL: all */
+    bool shares_ranks; /* True if the ranks of one job share its work; the others run in a single process */
     bool is_inner;             /* True if another command runs it with words of a file: quiet, without common options */
     const iso_option *options; /* NULL: only those of all commands */
     size_t options_size;       /* bytes of the struct that `options` fills */
