@@ -49,8 +49,7 @@ check the_last_one_has_the_name equal refined.exr u8.exr
 has_files each_as_a_png . refined.png refined_level_1.png refined_level_2.png
 
 # What the process takes, less what it takes for next to nothing: within the memory, where the whole level takes more.
-peak() { /usr/bin/time -f %M -o peak "$@" >/dev/null 2>&1 && cat peak; }
-if [ -x /usr/bin/time ] && [[ $(nm -D "$ISOSHADE" 2>/dev/null) != *__asan* ]]; then
+if has_peak; then
     least=$(peak "$ISOSHADE" render u8.iso --level 2 --scene "$scene" --size 8 --memory 3 -o least.exr)
     holds the_process_keeps_to_it "$(peak "$ISOSHADE" render n.iso --scene "$scene" --size 72x40 --memory 3 -o p.exr) - $least < 3.5 * 1024"
     holds the_whole_level_would_not "$(peak "$ISOSHADE" render n.iso --scene "$scene" --size 72x40 --with cpu -o p.exr) - $least > 3 * 3.5 * 1024"

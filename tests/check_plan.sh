@@ -12,6 +12,28 @@ holds plan_is_smaller_than_the_full_model "$(json_number a.json bytes_part) < 0.
 check plan_writes_the_picture test -s a.png
 "${plan[@]}" --error 0.02 -o b.json >out 2>err
 diff <(grep -v '"command"' a.json) <(grep -v '"command"' b.json) >diff && ok plan_is_deterministic || not_ok plan_is_deterministic "$(head -5 diff)"
+# A pyramid's plan is its volume's. It reads level 0's samples alone, in their own type, and checks them.
+facts_of() { grep -vE '"(command|volume)"' "$1"; }
+same_plan() { diff <(facts_of volume.json) <(facts_of pyramid.json) && [ "$(facts_of volume.json | wc -l)" -gt 20 ]; }
+for type in uint8 int16 float; do
+    "$ISOSHADE" make shells --size 41x44x33 --type $type -o t.nrrd --quiet
+    "$ISOSHADE" build t.nrrd -o $type.iso --levels 3 --quiet >out
+    "$ISOSHADE" plan t.nrrd --scene "$scene" --size 64 --brick 8 --levels 3 --error 0.02 -o volume.json --quiet >out 2>err
+    "$ISOSHADE" plan $type.iso --scene "$scene" --size 64 --brick 8 --levels 3 --error 0.02 -o pyramid.json --quiet >out 2>err
+    check "a_pyramid_of_${type}_has_the_plan_of_its_volume" same_plan
+    "$ISOSHADE" tf suggest t.nrrd -o volume.tf.json --no-provenance --quiet >out && "$ISOSHADE" tf suggest $type.iso -o pyramid.tf.json --no-provenance --quiet >out
+    check "and_of_${type}_its_transfer_function" diff volume.tf.json pyramid.tf.json
+done
+printf x | dd of=uint8.iso/level_0.nrrd bs=1 seek=20000 conv=notrunc 2>/dev/null
+refuse a_pyramid_that_was_changed_is_refused 4 checksum "$ISOSHADE" plan uint8.iso --scene "$scene" --quiet
+if has_peak; then
+    "$ISOSHADE" make shells --size 160 --type uint8 -o large.nrrd --quiet && "$ISOSHADE" build large.nrrd -o large.iso --levels 3 --quiet >out
+    of_volume=$(peak "$ISOSHADE" plan large.nrrd --scene "$scene" --size 16 --threads 1)
+    # 8 bytes per voxel of all levels for floats and codes would be 37 MB
+    holds it_takes_the_memory_of_the_volume "$(peak "$ISOSHADE" plan large.iso --scene "$scene" --size 16 --threads 1) < $of_volume + 8000 && $of_volume > 5000"
+else
+    skip it_takes_the_memory_of_the_volume "no /usr/bin/time, or a build with sanitizers, whose memory is another"
+fi
 "${plan[@]}" --memory 400000 -o c.json >out 2>err || not_ok memory_runs "$(cat err)"
 holds memory_is_kept "$(json_number c.json bytes) <= 400000 && $(json_number c.json bytes) > 100000"
 refuse memory_that_no_plan_fits_is_refused 5 "may have 1000 bytes" "${plan[@]}" --levels 1 --memory 1000 -o refused.json

@@ -44,6 +44,9 @@ notice() {
     if "$@" >/dev/null 2>&1; then not_ok "$name" "it passes: $*"; else ok "$name"; fi
 }
 
+# The largest memory of a command in KB; measured only if has_peak.
+peak() { /usr/bin/time -f %M -o peak "$@" >/dev/null 2>&1 && cat peak; }
+has_peak() { [ -x /usr/bin/time ] && [[ $(nm -D "$ISOSHADE" 2>/dev/null) != *__asan* ]]; }
 # json_number FILE KEY: the first number of that key
 json_number() { sed -n "s/.*\"$2\": \([-0-9.e+]*\),*$/\1/p" "$1" | head -n 1; }
 

@@ -153,11 +153,12 @@ typedef struct frame_of_series {
     json_t *results;
 } frame_of_series;
 
-/* True if the picture may need only a part of level 0, as far as the options decide. */
-static bool may_need_a_part(const iso_render_arguments *a, const iso_render_options *opt)
+/* True if the picture may need only a part of a volume, as far as the options decide. */
+static bool may_need_a_part(const iso_render_arguments *a, const char *path, const iso_render_options *opt)
 {
-    return a->level == 0 && opt->source == ISO_FROM_CODES && !a->palette && !a->estimator && !a->limit && !a->roi.box &&
-           !a->adapted.wanted && !a->adapted.extinction_scale && !a->adapted.tf_2d && !iso_render_is_in_bricks(a);
+    return a->level == 0 && !iso_pyramid_is_one(path) && opt->source == ISO_FROM_CODES && !a->palette &&
+           !a->estimator && !a->limit && !a->roi.box && !a->adapted.wanted && !a->adapted.extinction_scale &&
+           !a->adapted.tf_2d && !iso_render_is_in_bricks(a);
 }
 
 static iso_status load_subject(const iso_render_arguments *a, const iso_cli *cli, const frame_of_series *of,
@@ -244,7 +245,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     iso_status status = prepare(a, cli, &opt, &build, &look, err);
     if (status == ISO_OK)
         iso_cli_expect_names(cli, !iso_pyramid_is_one(cli->arguments[0]), opt.renderer->stages, opt.renderer->name);
-    TRY(status, load_subject(a, cli, of, &build, may_need_a_part(a, &opt), &pyramid, err));
+    TRY(status, load_subject(a, cli, of, &build, may_need_a_part(a, cli->arguments[0], &opt), &pyramid, err));
     TRY(status, recode(a, &pyramid, err));
     TRY(status, attach_palette(a, &opt, &pyramid, &palette, err));
     if (status == ISO_OK)

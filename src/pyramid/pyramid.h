@@ -203,5 +203,8 @@ iso_status iso_pyramid_load_from(const char *dir, size_t first, iso_pyramid *out
 iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error *err);
 /* Loads the outline and the levels' scalars, which transfer functions need. */
 iso_status iso_pyramid_load_scalars(const char *dir, iso_pyramid *out, iso_error *err);
+/* Loads level 0 as iso_pyramid_begin() has it (narrow.h): its samples alone, in their own type, and outlines of coarse
+ * levels. All of a pyramid with labels or with voxels without data. */
+iso_status iso_pyramid_load_begun(const char *dir, iso_pyramid *out, iso_error *err);
 /* True if path is a directory with a pyramid.json. */
 bool iso_pyramid_is_one(const char *path);

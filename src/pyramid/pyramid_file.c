@@ -222,12 +222,13 @@ static iso_status load_choice(iso_json_reader *r, const json_t *entry, size_t le
 }
 
 /* Parts of a pyramid to load besides pyramid.json. */
-typedef enum load_what { LOAD_NO_FILE, LOAD_OUTLINE, LOAD_SCALARS, LOAD_ALL } load_what;
+typedef enum load_what { LOAD_NO_FILE, LOAD_OUTLINE, LOAD_SAMPLES, LOAD_SCALARS, LOAD_ALL } load_what;
 
 static bool is_wanted(load_what what, int file)
 {
     /* A view of the level needs the scale, whichever way it gets the samples. */
-    return what == LOAD_ALL || file == FILE_SCALE || (what == LOAD_SCALARS && file == FILE_SCALAR);
+    return what == LOAD_ALL || file == FILE_SCALE ||
+           ((what == LOAD_SCALARS || what == LOAD_SAMPLES) && file == FILE_SCALAR);
 }
 
 static iso_status load_level(iso_json_reader *r, const char *dir, load_what what, const json_t *entry,
@@ -252,6 +253,7 @@ static iso_status load_level(iso_json_reader *r, const char *dir, load_what what
     void *data[FILE_COUNT] = {NULL};
     iso_status status = ISO_OK;
     iso_layout_files(opt, l->stored_type, files);
+    files[FILE_SCALAR].is_kept = what == LOAD_SAMPLES;
     files[FILE_SCALE].stored = json_object_get(list, files[FILE_SCALE].key) != NULL;
     for (int i = 0; i < FILE_COUNT && status == ISO_OK && what != LOAD_NO_FILE; ++i)
         if (files[i].stored)
@@ -280,7 +282,21 @@ static void mark_levels(iso_pyramid *p)
     }
 }
 
-/* first: the finest level whose files are looked at. */
+/* Moves level 0's samples, read in their own type, into the pyramid's volume. */
+static iso_status take_samples(iso_pyramid *p, iso_error *err)
+{
+    iso_level *l = &p->levels[0];
+    p->volume = malloc(sizeof *p->volume);
+    if (!p->volume)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", p->source);
+    *p->volume = (iso_volume){.geometry = l->geometry, .type = l->stored_type, .data = l->scalar};
+    l->scalar = NULL;
+    l->samples = p->volume;
+    l->estimator = p->options.gradient.method;
+    return ISO_OK;
+}
+
+/* first: the finest level whose files are looked at. With LOAD_SAMPLES: those of level 0 alone. */
 static iso_status load_levels(iso_json_reader *r, const char *dir, load_what what, size_t first, const json_t *root,
                               iso_pyramid *out)
 {
@@ -314,7 +330,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu levels", r->path, count);
     mark_levels(out);
     for (size_t k = 0; k < count; ++k) {
-        NEED(load_level(r, dir, k < first ? LOAD_NO_FILE : what, json_array_get(levels, k), &out->options,
+        NEED(load_level(r, dir, k < first ? LOAD_NO_FILE : what == LOAD_SAMPLES && k > 0 ? LOAD_OUTLINE : what, json_array_get(levels, k), &out->options,
                         &out->levels[k]));
         NEED(load_choice(r, json_array_get(levels, k), k, &out->options));
         if (k == 0)
@@ -328,6 +344,8 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     if (first > 0 && out->levels[0].geometry.has_no_data)
         return iso_fail(err, ISO_E_RANGE,
                         "%s: some voxels have no data, so coarse levels need level 0; view --errors reads it", r->path);
+    if (what == LOAD_SAMPLES)
+        return take_samples(out, err);
     return what == LOAD_OUTLINE ? ISO_OK : iso_pyramid_scale_by_share(out, NULL, err);
 }
 
@@ -363,6 +381,14 @@ iso_status iso_pyramid_load_from(const char *dir, size_t first, iso_pyramid *out
 iso_status iso_pyramid_load_outline(const char *dir, iso_pyramid *out, iso_error *err)
 {
     return load(dir, LOAD_OUTLINE, 0, out, err);
+}
+
+iso_status iso_pyramid_load_begun(const char *dir, iso_pyramid *out, iso_error *err)
+{
+    NEED(load(dir, LOAD_OUTLINE, 0, out, err));
+    const bool may_begin = !out->levels[0].labels && !out->levels[0].geometry.has_no_data;
+    iso_pyramid_destroy(out);
+    return load(dir, may_begin ? LOAD_SAMPLES : LOAD_ALL, 0, out, err);
 }
 
 iso_status iso_pyramid_load_scalars(const char *dir, iso_pyramid *out, iso_error *err)

@@ -17,6 +17,7 @@ typedef struct level_file {
     iso_type type;
     bool stored;   /* by the options; FILE_SCALE by the level */
     bool is_bytes; /* in memory, too */
+    bool is_kept;  /* True if samples keep their type in memory, by iso_large_samples() */
     size_t bytes;
     XXH64_hash_t hash; /* XXH3 of the whole file */
 } level_file;
@@ -33,7 +34,7 @@ iso_type iso_layout_type(iso_type input);
  * freed. */
 char *iso_layout_header(const iso_geometry *g, const level_file *f);
 
-/* Reads a level's file: `count` samples as floats, codes as bytes; to be freed. ISO_E_FORMAT if its size, header or
+/* Reads a level's file: `count` samples as floats, codes as bytes, or all as they are; to be freed. ISO_E_FORMAT if its size, header or
  * checksum differ from pyramid.json; ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_layout_read(const char *path, const char *header, const level_file *f, const char *digest, size_t count,
                            void **data, iso_error *err);

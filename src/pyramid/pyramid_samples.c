@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "base/inputs.h"
+#include "base/large.h"
 #include "pyramid/pyramid_layout.h"
 
 #define PIECE_BYTES ((size_t)256 << 10)
@@ -53,11 +54,11 @@ static iso_status read_header(reading *r, iso_error *err)
 static iso_status read_samples(const reading *r, size_t count, void *samples, iso_error *err)
 {
     const size_t width = iso_type_bytes(r->file->type), most = PIECE_BYTES / width;
-    const bool keeps = r->file->is_bytes;
+    const bool keeps = r->file->is_bytes || r->file->is_kept;
     iso_status status = ISO_OK;
     for (size_t at = 0; at < count && status == ISO_OK; at += most) {
         const size_t n = count - at < most ? count - at : most;
-        char *to = keeps ? (char *)samples + at : r->piece;
+        char *to = keeps ? (char *)samples + width * at : r->piece;
         status = read_bytes(r, to, n * width, err);
         if (status == ISO_OK && !keeps)
             iso_layout_to_floats(to, r->file->type, n, (float *)samples + at);
@@ -103,9 +104,10 @@ iso_status iso_layout_read(const char *path, const char *header, const level_fil
     if (status == ISO_OK) {
         r.hash = XXH3_createState();
         r.piece = malloc(PIECE_BYTES);
-        /* Not by large.h: a virtual machine that tells its host of each free huge page has to get it back for every
+        /* Floats not by large.h: a virtual machine that tells its host of each free huge page has to get it back for every
          * file. */
-        *data = malloc(f->is_bytes ? count : count * sizeof(float));
+        *data = f->is_kept ? iso_large_samples(count * iso_type_bytes(f->type))
+                           : malloc(f->is_bytes ? count : count * sizeof(float));
         if (r.hash && r.piece && *data) {
             XXH3_64bits_reset(r.hash);
             status = read_all(&r, digest, count, *data, err);
@@ -114,7 +116,7 @@ iso_status iso_layout_read(const char *path, const char *header, const level_fil
         }
     }
     if (status != ISO_OK) {
-        free(*data);
+        iso_large_free(*data);
         *data = NULL;
     }
     free(r.piece);

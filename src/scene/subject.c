@@ -41,7 +41,7 @@ static iso_status load(const char *path, const iso_volume_input *input, const is
     iso_volume_source *source;
     *p = (iso_pyramid){0};
     if (iso_pyramid_is_one(path))
-        return iso_pyramid_load(path, p, err);
+        return (begin_only ? iso_pyramid_load_begun : iso_pyramid_load)(path, p, err);
     const iso_status status = iso_volume_input_open(path, input, &source, err);
     return status == ISO_OK ? build(source, path, input, opt, begin_only, progress, p, err) : status;
 }

@@ -27,7 +27,7 @@ iso_status iso_subject_load_coarse(const char *path, const iso_volume_input *inp
                                    iso_subject_coarse *coarse, iso_error *err);
 void iso_subject_coarse_destroy(iso_subject_coarse *coarse);
 /* Does the same for a picture of level 0 that may need only a part of it: a volume whose samples have at most 4 bytes
- * and are no labels becomes a pyramid of iso_pyramid_begin(). */
+ * and are no labels becomes a pyramid of iso_pyramid_begin(), a pyramid one of iso_pyramid_load_begun(). */
 iso_status iso_subject_begin_pyramid(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
                                      const iso_progress *progress, iso_pyramid *p, iso_error *err);
 /* Refuses a label map with ISO_E_USAGE: `what`, an option or a command, would interpolate it. */
