@@ -438,7 +438,7 @@ static iso_status parse(iso_cli *cli, all_options *all, bool *runs, iso_error *e
                : status;
 }
 
-/* Refuses a command that each rank of a job would run whole. Rank 0 reports it: when one rank fails, mpirun ends all. */
+/* Refuses a command that each rank of a job would run whole. Rank 0 reports it: mpirun ends all when one fails. */
 static iso_status refuse_ranks(const iso_command *command, bool *runs, iso_error *err)
 {
     const char *variable = command->shares_ranks || command->is_inner ? NULL : iso_ranks_variable();

@@ -330,8 +330,8 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu levels", r->path, count);
     mark_levels(out);
     for (size_t k = 0; k < count; ++k) {
-        NEED(load_level(r, dir, k < first ? LOAD_NO_FILE : what == LOAD_SAMPLES && k > 0 ? LOAD_OUTLINE : what, json_array_get(levels, k), &out->options,
-                        &out->levels[k]));
+        const load_what of_level = k < first ? LOAD_NO_FILE : what == LOAD_SAMPLES && k > 0 ? LOAD_OUTLINE : what;
+        NEED(load_level(r, dir, of_level, json_array_get(levels, k), &out->options, &out->levels[k]));
         NEED(load_choice(r, json_array_get(levels, k), k, &out->options));
         if (k == 0)
             continue;

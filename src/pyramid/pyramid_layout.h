@@ -34,8 +34,8 @@ iso_type iso_layout_type(iso_type input);
  * freed. */
 char *iso_layout_header(const iso_geometry *g, const level_file *f);
 
-/* Reads a level's file: `count` samples as floats, codes as bytes, or all as they are; to be freed. ISO_E_FORMAT if its size, header or
- * checksum differ from pyramid.json; ISO_E_IO, ISO_E_MEMORY. */
+/* Reads a level's file: `count` samples as floats, codes as bytes, or all as they are; to be freed. ISO_E_FORMAT if its
+ * size, header or checksum differ from pyramid.json; ISO_E_IO, ISO_E_MEMORY. */
 iso_status iso_layout_read(const char *path, const char *header, const level_file *f, const char *digest, size_t count,
                            void **data, iso_error *err);
 /* Converts samples of the scalar's file to floats. */

@@ -104,8 +104,8 @@ iso_status iso_layout_read(const char *path, const char *header, const level_fil
     if (status == ISO_OK) {
         r.hash = XXH3_createState();
         r.piece = malloc(PIECE_BYTES);
-        /* Floats not by large.h: a virtual machine that tells its host of each free huge page has to get it back for every
-         * file. */
+        /* Floats not by large.h: a virtual machine that tells its host of each free huge page has to get it back
+         * for every file. */
         *data = f->is_kept ? iso_large_samples(count * iso_type_bytes(f->type))
                            : malloc(f->is_bytes ? count : count * sizeof(float));
         if (r.hash && r.piece && *data) {
