@@ -382,18 +382,20 @@ TEST(it_is_shown_under_its_own_transfer_function)
     iso_level_gate_close(&gate);
 }
 
-/* Under another transfer function it keeps its scale, since directions and scalars were made with it; an adapted one
- * replaces the scale. */
+/* Under another transfer function it keeps its scale, since directions and scalars were made with it; with --adapt it
+ * is adapted and gets another scale. */
 TEST(under_another_transfer_function_it_has_its_scale_or_is_adapted)
 {
     const iso_scene scene = surface_scene();
-    iso_adapt_options adapt = iso_adapt_defaults();
+    const iso_adapt_options adapt = iso_adapt_defaults();
     iso_scene_level levels[32];
     OWNED(iso_pyramid) p, loaded = optimized_and_loaded(&scene, &p, levels);
     const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
     OWNED(iso_tf_table) tf, own;
+    iso_adapt_judgment judgment;
     uint8_t *bytes;
     bool found = true;
+    assert_true(loaded.levels[1].edits_are_scaled);
     as_built(&p, &scene, &tf);
     tf.entries[4 * 200 + 3] *= 1.001f;
     assert_ok(iso_level_look(&loaded, 1, &tf, &own, &found, &err));
@@ -401,27 +403,52 @@ TEST(under_another_transfer_function_it_has_its_scale_or_is_adapted)
     assert_ok(iso_extinction_scale_level(&loaded, 1, &tf, &tf, 2, &bytes, &err));
     assert_memory_equal(bytes, p.levels[1].scale, count);
     free(bytes);
-    adapt.fall_back = false;
-    assert_ok(iso_adapt_level(&loaded, 1, &tf, &adapt, &own, NULL, &err));
-    assert_false(iso_tf_table_equals(&own, &tf));
+    assert_ok(iso_adapt_level(&loaded, 1, &tf, &adapt, &own, &judgment, &err));
+    assert_false(iso_tf_table_equals(&own, &tf) || judgment.use_original);
     assert_ok(iso_extinction_scale_level(&loaded, 1, &tf, &own, 2, &bytes, &err));
+    assert_memory_not_equal(bytes, p.levels[1].scale, count);
+    size_t scaled = 0;
     for (size_t i = 0; i < count; ++i)
-        assert_int_equal(bytes[i], ISO_EXTINCTION_SCALE_ONE);
+        scaled += bytes[i] != ISO_EXTINCTION_SCALE_ONE;
+    assert_true(scaled > 0);
     free(bytes);
 }
 
-/* A shell below the surface, of another color. */
-static iso_scene shell_scene(void)
+/* The gate judges edits as commands with --adapt show them. */
+TEST(edits_are_judged_as_they_are_shown)
 {
-    static iso_tf_point shell[] = {{0, {0.2, 0.5, 0.9}, 0},
-                                   {0.15, {0.2, 0.5, 0.9}, 0},
-                                   {0.35, {0.3, 0.6, 1}, 0.4},
-                                   {0.55, {0.2, 0.5, 0.9}, 0},
-                                   {1, {0.2, 0.5, 0.9}, 0}};
+    const iso_scene scene = surface_scene();
+    const iso_adapt_options adapt = iso_adapt_defaults();
+    iso_scene_level levels[32];
+    iso_level_gate edits[ISO_LEVEL_GATE_EDITS];
+    OWNED(iso_pyramid) p, loaded = optimized_and_loaded(&scene, &p, levels);
+    const iso_level *level = &loaded.levels[1];
+    assert_ok(iso_level_gate_open_edits(edits, &loaded, &scene, 2, &err));
+    assert_true(iso_scene_level_stands_edits(&levels[1], 1));
+    for (int i = 0; i < ISO_LEVEL_GATE_EDITS; ++i) {
+        const iso_tf_table *tf = &edits[i].views->tf;
+        OWNED(iso_tf_table) own;
+        iso_level_seen seen;
+        uint8_t *scale;
+        assert_ok(iso_adapt_level(&loaded, 1, tf, &adapt, &own, NULL, &err));
+        assert_ok(iso_extinction_scale_level(&loaded, 1, tf, &own, 2, &scale, &err));
+        assert_ok(iso_level_gate_look(&edits[i], 1, &(iso_shown_level){level, &own, scale}, &seen, &err));
+        assert_true(seen.ssim_dissimilarity == levels[1].edited[0][i]);
+        free(scale);
+        iso_level_gate_close(&edits[i]);
+    }
+}
+
+/* A softer surface at a lower value, of another color. */
+static iso_scene faint_scene(void)
+{
+    static iso_tf_point faint[] = {{0, {0.2, 0.5, 0.9}, 0},
+                                   {0.35, {0.2, 0.5, 0.9}, 0},
+                                   {0.5, {0.3, 0.6, 1}, 0.7},
+                                   {1, {0.2, 0.5, 0.9}, 0.7}};
     iso_scene scene = surface_scene();
-    scene.path = (char *)"shell.scene.json";
-    scene.tf.points = shell;
-    scene.tf.point_count = 5;
+    scene.path = (char *)"faint.scene.json";
+    scene.tf.points = faint;
     return scene;
 }
 
@@ -429,7 +456,7 @@ static iso_scene shell_scene(void)
  * The planted fault judges the level under the other scene's. */
 TEST(two_scenes_share_a_level)
 {
-    const iso_scene scenes[2] = {surface_scene(), shell_scene()};
+    const iso_scene scenes[2] = {surface_scene(), faint_scene()};
     const iso_optimize_options opt = fast(0);
     iso_scene_level levels[32];
     OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT), again = bumpy_ball(ISO_CODE_FIT);
@@ -462,7 +489,7 @@ TEST(two_scenes_share_a_level)
         iso_level_gate_close(&gate);
     }
     char *names = iso_level_scene_names(&p);
-    assert_string_equal(names, "surface.scene.json, shell.scene.json");
+    assert_string_equal(names, "surface.scene.json, faint.scene.json");
     free(names);
     iso_tf_table_destroy(&own[0]);
     iso_tf_table_destroy(&own[1]);

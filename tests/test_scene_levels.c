@@ -115,6 +115,26 @@ TEST(what_is_no_clear_gain_is_not_chosen)
     assert_int_equal(iso_scene_level_choose(c), BUILT);
 }
 
+/* No scene and no edit may be worse by more than 2 %; a gain elsewhere does not count. */
+TEST(each_edit_can_refuse)
+{
+    iso_scene_level made = {0};
+    for (int i = 0; i < 2 * ISO_LEVEL_GATE_EDITS; ++i) {
+        made.edited_built[i / ISO_LEVEL_GATE_EDITS][i % ISO_LEVEL_GATE_EDITS] = 0.1;
+        made.edited[i / ISO_LEVEL_GATE_EDITS][i % ISO_LEVEL_GATE_EDITS] = 0.05;
+    }
+    for (int i = 0; i < 2 * ISO_LEVEL_GATE_EDITS; ++i) {
+        double *edited = &made.edited[i / ISO_LEVEL_GATE_EDITS][i % ISO_LEVEL_GATE_EDITS];
+        *edited = 0.1019;
+        assert_true(iso_scene_level_stands_edits(&made, 2));
+        *edited = 0.1021;
+        assert_false(iso_scene_level_stands_edits(&made, 2));
+        *edited = NAN;
+        assert_false(iso_scene_level_stands_edits(&made, 2));
+        *edited = 0.05;
+    }
+}
+
 /* Scalars that look wrong lose, whatever they are called; those that look right win. */
 VALUES_TEST(small_views_see_a_planted_scalar)
 {

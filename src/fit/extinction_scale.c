@@ -404,8 +404,9 @@ iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const 
     iso_status status = iso_level_look(p, level, original, &look, &is_made_for, err);
     if (status == ISO_OK && !(*bytes = malloc(iso_geometry_voxel_count(&l->geometry))))
         status = iso_fail(err, ISO_E_MEMORY, "extinction scale: no memory for one byte per voxel");
-    if (status == ISO_OK && (is_made_for || l->is_optimized || l->geometry.has_no_data)) {
-        const bool is_adapted = l->is_optimized && !is_made_for && !iso_tf_table_equals(original, own);
+    const bool is_adapted = l->is_optimized && !is_made_for && !iso_tf_table_equals(original, own);
+    if (status == ISO_OK &&
+        (is_made_for || (l->is_optimized && !(is_adapted && l->edits_are_scaled)) || l->geometry.has_no_data)) {
         copy_own(l, is_adapted, *bytes);
     } else if (status == ISO_OK) {
         status = iso_extinction_scaler_create(&p->levels[0], l, level, threads, &s, err);

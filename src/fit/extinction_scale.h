@@ -59,7 +59,7 @@ static inline uint8_t iso_extinction_scale_mean(size_t sum, size_t count)
 }
 
 /* Does all of it for one level of a pyramid: *bytes is allocated, to be freed; NULL for level 0. Copies the scale of a
- * level that was made for `original` (tf/level_look.h) or is optimized: 168 if it has none, or if `own` is adapted to an
- * optimized one, which replaces its scale. */
+ * level that was made for `original` (tf/level_look.h), or is optimized: 168 if it has none, or if `own` is adapted to an optimized one, unless its
+ * edits are scaled. */
 iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const iso_tf_table *original,
                                       const iso_tf_table *own, int threads, uint8_t **bytes, iso_error *err);

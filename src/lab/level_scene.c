@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "fit/extinction_scale.h"
 #include "plan/scene_levels.h"
 #include "tf/level_look.h"
 
@@ -44,7 +45,7 @@ iso_scene iso_level_bench_scene(iso_tf tf)
 }
 
 /* Takes the transfer function and the extinction scale that show a level. Under an edited one these are those of
- * `render --adapt`: an optimized level that is not adapted has its scale. */
+ * `render --adapt`. */
 static iso_status take_look(const iso_pyramid *p, const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
 {
     const iso_level *level = &p->levels[s->level];
@@ -60,9 +61,13 @@ static iso_status take_look(const iso_pyramid *p, const iso_level_subject *s, is
         TRY(status, iso_level_look(p, s->level, &scene, &shown->tf, NULL, err));
     iso_tf_table_destroy(&scene);
     shown->extinction_scale = level->scale;
-    if (is_edited && (!level->is_optimized || !shown->judgment.use_original)) {
-        free(shown->extinction_scale);
-        shown->extinction_scale = NULL;
+    if (status == ISO_OK && is_edited) {
+        if (level->is_optimized)
+            status = iso_extinction_scale_level(p, s->level, s->tf, &shown->tf, s->threads, &shown->extinction_scale,
+                                                err);
+        else
+            shown->extinction_scale = NULL;
+        free(level->scale);
     }
     return status;
 }

@@ -12,6 +12,7 @@
 #include "lab/look.h"
 #include "lab/surface.h"
 #include "lab/volumes.h"
+#include "plan/level_gate.h"
 #include "scene/subject.h"
 
 enum { OPAQUE = 0 };
@@ -325,26 +326,14 @@ static const char *make_tf(const iso_level *level0, int t, iso_surface_tf *point
     return NULL;
 }
 
-/* Makes the edited transfer function; *before gets the table of the other one. */
-static iso_status edit_tf(const iso_levels_run *run, const iso_pyramid *p, const iso_tf *tf, iso_tf *edited,
-                          iso_tf_table *before, iso_error *err)
-{
-    iso_status status = iso_tf_copy(tf, edited, err);
-    const double range = tf->fit_range ? 1 : iso_pyramid_hi(p) - iso_pyramid_lo(p);
-    for (size_t i = 0; i < edited->point_count; ++i) {
-        edited->points[i].value += run->edited->shift * range;
-        edited->points[i].opacity = fmin(run->edited->factor * edited->points[i].opacity, 1);
-    }
-    TRY(status, iso_tf_tabulate(tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, before, err));
-    return status;
-}
-
 static iso_status run_tf(iso_levels_run *run, const pyramid_set *set, const char *name, const iso_tf *tf,
                          iso_error *err)
 {
     bench_subject b = {.pyramids = set, .tf = name};
     iso_tf edited = {0};
-    iso_status status = edit_tf(run, set->first, tf, &edited, &b.before, err);
+    const iso_pyramid *p = set->first;
+    iso_status status = iso_gate_edit_tf(p, tf, run->edited->shift, run->edited->factor, &edited, err);
+    TRY(status, iso_tf_tabulate(tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, &b.before, err));
     TRY(status, render_finest(run, &edited, &b, err));
     for (size_t level = 1; level < set->first->level_count && status == ISO_OK; ++level)
         if (is_wanted_level(run, level))

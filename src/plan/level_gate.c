@@ -100,7 +100,7 @@ static iso_status measure(const iso_image *truth, const iso_image *image, double
     iso_status status = iso_ssim_foreground(truth, image, &ssim, err);
     TRY(status, iso_metrics_measure_differences(truth, image, &m, err));
     *ssim_dissimilarity = 1 - ssim;
-    *rmse += m.rmse / VIEWS;
+    *rmse += m.rmse;
     return status;
 }
 
@@ -111,22 +111,61 @@ static iso_status draw(const iso_level_gate *gate, int i, const iso_level *level
     return iso_cpu_render(level, gate->p->options.code, &gate->views[i], &opt, image, err);
 }
 
-iso_status iso_level_gate_open(iso_level_gate *gate, const iso_pyramid *p, const iso_scene *scene, int threads,
-                               iso_error *err)
+static iso_status open_gate(iso_level_gate *gate, const iso_pyramid *p, const iso_scene *scene, int view_count,
+                            int threads, iso_error *err)
 {
     iso_random r = {.state = GATE_SEED};
     iso_status status = ISO_OK;
-    *gate = (iso_level_gate){.p = p, .threads = threads};
-    for (int i = 0; i < VIEWS && status == ISO_OK; ++i) {
+    *gate = (iso_level_gate){.p = p, .threads = threads, .view_count = view_count};
+    for (int i = 0; i < view_count && status == ISO_OK; ++i) {
         status = iso_gate_random_view(p, scene, i % 2 == 0, &r, &gate->views[i], err);
         TRY(status, draw(gate, i, &p->levels[0], &gate->truth[i], err));
     }
     return status;
 }
 
+iso_status iso_level_gate_open(iso_level_gate *gate, const iso_pyramid *p, const iso_scene *scene, int threads,
+                               iso_error *err)
+{
+    return open_gate(gate, p, scene, VIEWS, threads, err);
+}
+
+iso_status iso_gate_edit_tf(const iso_pyramid *p, const iso_tf *tf, double shift, double factor, iso_tf *edited,
+                            iso_error *err)
+{
+    const iso_status status = iso_tf_copy(tf, edited, err);
+    const double range = tf->fit_range ? 1 : iso_pyramid_hi(p) - iso_pyramid_lo(p);
+    for (size_t i = 0; i < edited->point_count && status == ISO_OK; ++i) {
+        edited->points[i].value += shift * range;
+        edited->points[i].opacity = fmin(factor * edited->points[i].opacity, 1);
+    }
+    return status;
+}
+
+iso_status iso_level_gate_open_edits(iso_level_gate gates[ISO_LEVEL_GATE_EDITS], const iso_pyramid *p,
+                                     const iso_scene *scene, int threads, iso_error *err)
+{
+    static const struct {
+        double shift, factor;
+    } edits[ISO_LEVEL_GATE_EDITS] = {{-0.05, 1}, {0.05, 1}, {0, 0.5}, {0, 2}};
+    iso_status status = ISO_OK;
+    for (int i = 0; i < ISO_LEVEL_GATE_EDITS && status == ISO_OK; ++i) {
+        iso_scene s = *scene; /* copies pointers, whose targets stay the scene's */
+        status = iso_gate_edit_tf(p, &scene->tf, edits[i].shift, edits[i].factor, &s.tf, err);
+        TRY(status, open_gate(&gates[i], p, &s, VIEWS / 2, threads, err));
+        if (status == ISO_E_RANGE) {
+            iso_level_gate_close(&gates[i]);
+            gates[i].view_count = 0;
+            status = ISO_OK;
+        }
+        iso_tf_destroy(&s.tf);
+    }
+    return status;
+}
+
 void iso_level_gate_close(iso_level_gate *gate)
 {
-    for (int i = 0; i < VIEWS; ++i) {
+    for (int i = 0; i < gate->view_count; ++i) {
         iso_view_destroy(&gate->views[i]);
         iso_image_destroy(&gate->truth[i]);
     }
@@ -141,8 +180,8 @@ static iso_status compare(const iso_level_gate *gate, int i, size_t level, const
     TRY(status, iso_gate_minify(&gate->truth[i], level, &small_truth, err));
     TRY(status, iso_gate_minify(image, level, &small, err));
     TRY(status, measure(&small_truth, &small, &small_ssim_dissimilarity, &seen->small_rmse, err));
-    seen->ssim_dissimilarity += seen->of_view[i] / VIEWS;
-    seen->small_ssim_dissimilarity += small_ssim_dissimilarity / VIEWS;
+    seen->ssim_dissimilarity += seen->of_view[i];
+    seen->small_ssim_dissimilarity += small_ssim_dissimilarity;
     iso_image_destroy(&small_truth);
     iso_image_destroy(&small);
     return status;
@@ -153,7 +192,7 @@ iso_status iso_level_gate_look(iso_level_gate *gate, size_t level, const iso_sho
 {
     iso_status status = ISO_OK;
     *seen = (iso_level_seen){0};
-    for (int i = 0; i < VIEWS && status == ISO_OK; ++i) {
+    for (int i = 0; i < gate->view_count && status == ISO_OK; ++i) {
         iso_view *view = &gate->views[i];
         const iso_tf_table own = view->tf;
         iso_image image = {0};
@@ -165,5 +204,9 @@ iso_status iso_level_gate_look(iso_level_gate *gate, size_t level, const iso_sho
         TRY(status, compare(gate, i, level, &image, seen, err));
         iso_image_destroy(&image);
     }
+    double *const means[] = {&seen->ssim_dissimilarity, &seen->rmse, &seen->small_ssim_dissimilarity,
+                             &seen->small_rmse};
+    for (size_t k = 0; k < sizeof means / sizeof *means; ++k)
+        *means[k] /= gate->view_count;
     return status;
 }

@@ -29,6 +29,7 @@ typedef struct iso_level_seen {
 typedef struct iso_level_gate {
     const iso_pyramid *p;
     int threads;
+    int view_count; /* 0: of no use */
     iso_view views[ISO_LEVEL_GATE_VIEWS];
     iso_image truth[ISO_LEVEL_GATE_VIEWS];
 } iso_level_gate;
@@ -37,6 +38,16 @@ typedef struct iso_level_gate {
 iso_status iso_level_gate_open(iso_level_gate *gate, const iso_pyramid *p, const iso_scene *scene, int threads,
                                iso_error *err);
 void iso_level_gate_close(iso_level_gate *gate);
+
+/* Edits after which an optimized level has to be no worse than a plain one: the transfer function is shifted, or has
+ * another opacity. Each is judged in half of the views. */
+enum { ISO_LEVEL_GATE_EDITS = 4 };
+/* Adds shift times the range to the transfer function's values, and multiplies its opacity. ISO_E_MEMORY. */
+iso_status iso_gate_edit_tf(const iso_pyramid *p, const iso_tf *tf, double shift, double factor, iso_tf *edited,
+                            iso_error *err);
+/* Opens a gate for each edit of the scene. Those that leave no transfer function have no views. ISO_E_MEMORY. */
+iso_status iso_level_gate_open_edits(iso_level_gate gates[ISO_LEVEL_GATE_EDITS], const iso_pyramid *p,
+                                     const iso_scene *scene, int threads, iso_error *err);
 
 /* Draws a level and compares it. ISO_E_MEMORY. */
 iso_status iso_level_gate_look(iso_level_gate *gate, size_t level, const iso_shown_level *shown, iso_level_seen *seen,

@@ -34,6 +34,15 @@ double iso_scene_level_ratio(const iso_scene_level *made, size_t scene)
     return best > 0 ? made->candidates[scene][made->chosen].seen.ssim_dissimilarity / best : 1;
 }
 
+bool iso_scene_level_stands_edits(const iso_scene_level *made, size_t scene_count)
+{
+    bool good = true;
+    for (size_t i = 0; i < scene_count; ++i)
+        for (int k = 0; k < ISO_LEVEL_GATE_EDITS; ++k)
+            good = good && made->edited[i][k] <= (1 + ISO_LEVEL_GATE_GAIN) * made->edited_built[i][k];
+    return good;
+}
+
 /* ---- ways to show a level --------------------------------------------------------------------------------------- */
 
 /* A level as a way shows it. */
@@ -168,7 +177,8 @@ typedef struct making {
     iso_pyramid *p;
     size_t level, scene_count;
     const iso_scene *scenes;
-    iso_level_gate *gates; /* of each scene */
+    iso_level_gate *gates;                         /* of each scene */
+    iso_level_gate (*edits)[ISO_LEVEL_GATE_EDITS]; /* or NULL: nothing is optimized */
     look best[ISO_SCENES_MOST];
     iso_scene_level *made;
 } making;
@@ -237,6 +247,28 @@ static iso_status choose_shared(making *m, float *const scalars[ISO_LEVEL_SCALAR
     return status;
 }
 
+/* Shows a level after each edit as commands do with --adapt. scaled: adapted and with a new extinction scale; else
+ * adapted if that is nearer, or as it is, with `scale`. */
+static iso_status judge_edits(const making *m, const uint8_t *codes, float *scalar, const uint8_t *scale, bool scaled,
+                              double edited[][ISO_LEVEL_GATE_EDITS], iso_error *err)
+{
+    iso_status status = ISO_OK;
+    for (size_t i = 0; i < ISO_LEVEL_GATE_EDITS * m->scene_count && status == ISO_OK; ++i) {
+        iso_level_gate *gate = &m->edits[i / ISO_LEVEL_GATE_EDITS][i % ISO_LEVEL_GATE_EDITS];
+        look l = {.scale = NULL};
+        iso_level_seen seen = {{0}, 0, 0, 0, 0};
+        if (gate->view_count == 0)
+            continue;
+        status = make_look(gate, m->level, scalar, scaled, &l, err);
+        l.level.codes = (uint8_t *)(uintptr_t)codes; /* borrowed */
+        const iso_shown_level shown = {&l.level, &l.tf, l.adapted ? l.scale : scale};
+        TRY(status, iso_level_gate_look(gate, m->level, &shown, &seen, err));
+        edited[i / ISO_LEVEL_GATE_EDITS][i % ISO_LEVEL_GATE_EDITS] = seen.ssim_dissimilarity;
+        forget(&l);
+    }
+    return status;
+}
+
 /* Judges all ways but the last, and lets the level have the scalar and the scale of the nearest. */
 static iso_status make_level(making *m, iso_error *err)
 {
@@ -252,6 +284,8 @@ static iso_status make_level(making *m, iso_error *err)
         made->chosen = status == ISO_OK ? iso_scene_level_choose(made->candidates[i]) : ISO_LEVEL_WAY_BUILT;
         made->best[i] = made->candidates[i][made->chosen].seen;
     }
+    if (m->edits)
+        TRY(status, judge_edits(m, l->codes, l->scalar, NULL, false, made->edited_built, err));
     if (status == ISO_OK && m->scene_count > 1)
         status = choose_shared(m, scalars, err);
     const iso_level_scalar kind = iso_level_ways[made->chosen].scalar;
@@ -281,6 +315,7 @@ static void take(making *m, iso_optimized *o)
         o->directions = NULL;
     }
     l->made_for_scene = l->is_optimized = true;
+    l->edits_are_scaled = m->made->edits_are_scaled;
     set_scalar(l, o->scalar);
     for (size_t i = 0; i < m->scene_count; ++i) {
         iso_tf_table_destroy(&m->best[i].tf);
@@ -305,7 +340,16 @@ static iso_status compare(making *m, iso_optimized *o, iso_error *err)
         if (status == ISO_OK)
             m->made->candidates[i][ISO_LEVEL_WAY_OPTIMIZED] = (iso_level_candidate){true, true, seen[i]};
     }
-    if (status == ISO_OK && iso_level_gate_is_nearer(m->made->best, seen, m->scene_count)) {
+    if (status != ISO_OK || !iso_level_gate_is_nearer(m->made->best, seen, m->scene_count))
+        return status;
+    bool stands = false;
+    for (int i = 0; i < 2 && status == ISO_OK && !stands; ++i) {
+        m->made->edits_are_scaled = i == 0; /* the nearer way with most volumes, but not with soft surfaces */
+        status = judge_edits(m, o->codes, o->scalar, o->scale, i == 0, m->made->edited, err);
+        m->made->judged_edits = status == ISO_OK;
+        stands = m->made->judged_edits && iso_scene_level_stands_edits(m->made, m->scene_count);
+    }
+    if (stands) {
         take(m, o);
         m->made->chosen = ISO_LEVEL_WAY_OPTIMIZED;
     }
@@ -376,6 +420,14 @@ static void add_scene(json_t *o, const making *m, size_t scene)
     json_object_set_new(o, "ratio", json_real(iso_scene_level_ratio(m->made, scene)));
     if (c[m->made->chosen].adapted)
         json_object_set_new(o, "tf", iso_level_look_to_json(&m->best[scene].tf));
+    if (!m->made->judged_edits)
+        return;
+    double ratios[ISO_LEVEL_GATE_EDITS];
+    for (int k = 0; k < ISO_LEVEL_GATE_EDITS; ++k) {
+        const double built = m->made->edited_built[scene][k];
+        ratios[k] = built > 0 ? m->made->edited[scene][k] / built : 1;
+    }
+    json_object_set_new(o, "edit_ratios", iso_json_numbers(ratios, ISO_LEVEL_GATE_EDITS));
 }
 
 /* Describes a level: how it is shown, and how it was made and judged. */
@@ -390,6 +442,8 @@ static json_t *level_to_json(const making *m, uint64_t seed)
         add_scene(other, m, i);
         json_array_append_new(others_of(o), other);
     }
+    if (made->chosen == ISO_LEVEL_WAY_OPTIMIZED)
+        json_object_set_new(o, "edits_are_scaled", json_boolean(made->edits_are_scaled));
     if (made->optimized.tried)
         json_object_set_new(o, "optimized",
                             json_pack("{s:I, s:I, s:I, s:I, s:f, s:f, s:f}", "seed", (json_int_t)seed, "views",
@@ -405,7 +459,7 @@ static iso_status make_and_describe(making *m, const iso_optimize_options *optim
 {
     const double began = iso_clock_seconds();
     iso_status status = make_level(m, err);
-    if (status == ISO_OK && optimize && optimize->effort != ISO_EFFORT_NONE && !(optimize->stop && *optimize->stop))
+    if (status == ISO_OK && m->edits && !(optimize->stop && *optimize->stop))
         status = optimize_level(m, optimize, progress, err);
     if (status == ISO_OK)
         json_array_append_new(list, level_to_json(m, optimize ? optimize->seed + m->level : 0));
@@ -454,21 +508,27 @@ iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *
                                  const iso_progress *progress, iso_error *err)
 {
     iso_scene_level own[32];
-    iso_level_gate gates[ISO_SCENES_MOST] = {{.p = NULL}};
+    iso_level_gate gates[ISO_SCENES_MOST] = {{.p = NULL}},
+                   edits[ISO_SCENES_MOST][ISO_LEVEL_GATE_EDITS] = {{{.p = NULL}}};
+    const bool optimizes = optimize && optimize->effort != ISO_EFFORT_NONE;
     if (p->levels[0].geometry.has_no_data)
         return iso_fail(err, ISO_E_RANGE,
                         "some voxels have no data: levels cannot be made for a scene; leave out --for");
     json_t *list = json_array();
     levels = levels ? levels : own;
     iso_status status = open_gates(gates, p, scenes, scene_count, threads, err);
+    for (size_t i = 0; i < scene_count && optimizes; ++i)
+        TRY(status, iso_level_gate_open_edits(edits[i], p, &scenes[i], threads, err));
     for (size_t k = first; k < p->level_count && status == ISO_OK; ++k) {
-        making m = {p, k, scene_count, scenes, gates, {{.scale = NULL}}, &levels[k]};
+        making m = {p, k, scene_count, scenes, gates, optimizes ? edits : NULL, {{.scale = NULL}}, &levels[k]};
         iso_progress_report(progress, "levels for the scene", (double)(k - first) / (double)(p->level_count - first));
         status = make_and_describe(&m, optimize, list, progress, err);
     }
     iso_progress_report(progress, "levels for the scene", 1);
     for (size_t i = 0; i < scene_count; ++i)
         iso_level_gate_close(&gates[i]);
+    for (size_t i = 0; i < ISO_LEVEL_GATE_EDITS * scene_count; ++i)
+        iso_level_gate_close(&edits[i / ISO_LEVEL_GATE_EDITS][i % ISO_LEVEL_GATE_EDITS]);
     if (status == ISO_OK) {
         json_decref(p->made_for);
         p->made_for = describe(scenes, scene_count, list);

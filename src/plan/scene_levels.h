@@ -43,6 +43,9 @@ typedef struct iso_scene_level {
     int chosen;                                                           /* of iso_level_ways */
     iso_level_candidate candidates[ISO_SCENES_MOST][ISO_LEVEL_WAY_COUNT]; /* in each scene */
     iso_level_seen best[ISO_SCENES_MOST];                                 /* way but the last, for each scene alone */
+    bool judged_edits, edits_are_scaled;                                  /* iso_level.edits_are_scaled */
+    /* 1 - SSIM after each edit: as built with --adapt, and the optimized level. */
+    double edited_built[ISO_SCENES_MOST][ISO_LEVEL_GATE_EDITS], edited[ISO_SCENES_MOST][ISO_LEVEL_GATE_EDITS];
     iso_fit_report fit;
     struct iso_scene_level_optimized {
         bool tried;
@@ -58,6 +61,9 @@ int iso_scene_level_choose(const iso_level_candidate candidates[ISO_LEVEL_WAY_CO
 
 /* Returns the 1 - SSIM of the level in a scene, as a part of that of the best way but the last for this scene alone. */
 double iso_scene_level_ratio(const iso_scene_level *made, size_t scene);
+
+/* True if after no edit the optimized level is worse than the one as built by ISO_LEVEL_GATE_GAIN. */
+bool iso_scene_level_stands_edits(const iso_scene_level *made, size_t scene_count);
 
 /* Shows `level` with the scalars of each kind (NULL: skipped) in all ways but the last, and fills the candidates. */
 iso_status iso_scene_level_judge(const iso_pyramid *p, size_t level, const iso_scene *scene,

@@ -279,6 +279,8 @@ static void mark_levels(iso_pyramid *p)
             p->levels[level].made_for_scene = true;
         if (level > 0 && (size_t)level < p->level_count && scalar && strcmp(scalar, "optimized") == 0)
             p->levels[level].is_optimized = true;
+        if (level > 0 && (size_t)level < p->level_count)
+            p->levels[level].edits_are_scaled = json_is_true(json_object_get(entry, "edits_are_scaled"));
     }
 }
 

@@ -127,7 +127,8 @@ iso_status iso_adapt_judge(const iso_joint *joint, const iso_tf_table *tf, const
                            const iso_geometry *level0, iso_adapt_judgment *judgment, iso_error *err);
 
 /* Adapts `tf` to one level of a pyramid and judges the result. A level that was made for tf gets its own table
- * (level_look.h); level 0, and optimized levels of another tf, get a copy. judgment may be NULL. */
+ * (level_look.h); level 0 gets a copy. One with edits_are_scaled is always adapted to another tf. judgment
+ * may be NULL. */
 iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_table *tf, const iso_adapt_options *opt,
                            iso_tf_table *table, iso_adapt_judgment *judgment, iso_error *err);
 

@@ -137,6 +137,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_tabl
     iso_adapt_judgment verdict = {.use_original = true};
     *table = (iso_tf_table){0};
     bool is_made_for = false;
+    const bool falls_back = opt->fall_back && !p->levels[level].edits_are_scaled;
     iso_status status = iso_level_look(p, level, tf, table, &is_made_for, err);
     if (status != ISO_OK || is_made_for || level == 0) {
         verdict.use_original = !is_made_for || (iso_tf_table_equals(table, tf) && !p->levels[level].scale);
@@ -144,14 +145,14 @@ iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_tabl
             *judgment = verdict;
         return status != ISO_OK || is_made_for ? status : iso_tf_table_copy(tf, table, err);
     }
-    status = iso_joint_obtain(p, opt->folder, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE},
-                                         opt->threads, &joint, err);
+    status = iso_joint_obtain(p, opt->folder, &(iso_joint_key){level, opt->bits, ISO_SECOND_VALUE_NONE}, opt->threads,
+                              &joint, err);
     TRY(status, iso_adapter_create(&joint, opt, &adapter, err));
     TRY(status, iso_adapter_apply(adapter, tf, level0, level, table, err));
     TRY(status, iso_adapt_judge(&joint, tf, table, level0, &verdict, err));
-    if (status == ISO_OK && opt->fall_back)
+    if (status == ISO_OK && falls_back)
         status = look(p, level, tf, table, opt, &verdict, err);
-    verdict.use_original = verdict.use_original && opt->fall_back;
+    verdict.use_original = verdict.use_original && falls_back;
     if (status == ISO_OK && verdict.use_original) {
         iso_tf_table_destroy(table);
         status = iso_tf_table_copy(tf, table, err);
