@@ -69,16 +69,6 @@ static inline int run_cases(CMFixtureFunction setup, CMFixtureFunction teardown)
     }
 /* clang-format on */
 
-/* What holds a variable is destroyed, or freed, at the end of its block: OWNED(iso_image) a = ..., b;
- * ENDED_BY(close_subject) subject s = ...; FREED char *text = ... JSON has json_auto_t. */
-#define ENDED_BY(function) __attribute__((cleanup(function)))
-#define OWNED(type) ENDED_BY(type##_destroy) type
-#define FREED ENDED_BY(iso_free_held)
-static inline void iso_free_held(void *pointer)
-{
-    free(*(void **)pointer);
-}
-
 /* The tolerance states its cause in a comment where it is used. */
 /* clang-format off */
 #define assert_within(value, expected, tolerance)                                                       \

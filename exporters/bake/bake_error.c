@@ -60,14 +60,12 @@ iso_status iso_baked_render(const iso_baked *b, iso_baked_pair pair, const iso_v
 static iso_status compare(const iso_baked *b, iso_baked_pair pair, const iso_view *view, const iso_image *exact,
                           iso_bake_difference *out, const iso_progress *progress, iso_error *err)
 {
-    iso_image image = {0};
-    iso_status status = iso_baked_render(b, pair, view, step_voxels, &image, progress, err);
+    OWNED(iso_image) image = {0};
+    NEED(iso_baked_render(b, pair, view, step_voxels, &image, progress, err));
     iso_metrics metrics = {0};
-    TRY(status, iso_metrics_measure(&image, exact, &metrics, err));
-    if (status == ISO_OK)
-        *out = (iso_bake_difference){metrics.rmse, metrics.max_abs};
-    iso_image_destroy(&image);
-    return status;
+    NEED(iso_metrics_measure(&image, exact, &metrics, err));
+    *out = (iso_bake_difference){metrics.rmse, metrics.max_abs};
+    return ISO_OK;
 }
 
 static iso_status render_exact(const iso_baked *b, const iso_view *view, iso_image *image, const iso_progress *progress,
@@ -100,13 +98,12 @@ static void take_light_away(iso_view *view)
 iso_status iso_bake_measure_shaded(const iso_baked *b, size_t pixels, iso_bake_error *out, const iso_progress *progress,
                                    iso_error *err)
 {
-    iso_image exact = {0};
+    OWNED(iso_image) exact = {0};
     iso_view view = measured_view(b, pixels);
     *out = (iso_bake_error){.width = view.width, .height = view.height};
     iso_status status = render_exact(b, &view, &exact, progress, err);
     take_light_away(&view); /* the colors already include it */
     TRY(status, compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err));
-    iso_image_destroy(&exact);
     return status;
 }
 

@@ -124,27 +124,23 @@ static iso_status check_name(const char *path, iso_error *err)
 
 iso_status iso_bake_guard_usda(const char *path, bool force, iso_error *err)
 {
-    iso_status status = check_name(path, err);
-    char *name = status == ISO_OK ? usda_path(path) : NULL;
-    TRY(status, name ? iso_inputs_announce(name, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path));
-    TRY(status, iso_stamp_guard(name, force, err));
-    free(name);
-    return status;
+    NEED(check_name(path, err));
+    FREED char *name = usda_path(path);
+    NEED(name ? iso_inputs_announce(name, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path));
+    return iso_stamp_guard(name, force, err);
 }
 
 /* Writes the USD text file, with a stamp at its end because people edit it. */
 static iso_status save_usda(const iso_baked *b, const iso_bake_request *r, const char *path, iso_error *err)
 {
     iso_output out = {0};
-    char *name = usda_path(path), *text = iso_bake_usda(b, r, path);
+    FREED char *name = usda_path(path), *text = iso_bake_usda(b, r, path);
     iso_status status = name && text ? iso_output_begin(&out, name, err)
                                      : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     TRY(status, iso_file_write(out.temp_path, text, strlen(text), err));
     TRY(status, iso_stamp_append(out.temp_path, "# ", err));
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
-    free(name);
-    free(text);
     return status;
 }
 

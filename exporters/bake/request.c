@@ -54,16 +54,15 @@ static iso_status take_grids(const char *list, iso_bake_request *r, iso_error *e
     if (strlen(list) >= sizeof words)
         return iso_fail(err, ISO_E_USAGE, "--bake has %zu letters, at most %zu", strlen(list), sizeof words - 1);
     snprintf(words, sizeof words, "%s", list);
-    iso_status status = ISO_OK;
-    for (char *word = strtok_r(words, ",", &rest); word && status == ISO_OK; word = strtok_r(NULL, ",", &rest))
-        status = take_grid(word, r, err);
-    if (status == ISO_OK && !r->has[ISO_BAKE_DENSITY])
+    for (char *word = strtok_r(words, ",", &rest); word; word = strtok_r(NULL, ",", &rest))
+        NEED(take_grid(word, r, err));
+    if (!r->has[ISO_BAKE_DENSITY])
         return iso_fail(err, ISO_E_USAGE, "--bake is \"%s\", must include density", list);
-    for (int i = 0; i < ISO_BAKE_GRIDS && status == ISO_OK; ++i)
-        for (int k = 0; k < i && status == ISO_OK; ++k)
+    for (int i = 0; i < ISO_BAKE_GRIDS; ++i)
+        for (int k = 0; k < i; ++k)
             if (r->has[i] && r->has[k] && strcmp(r->name[i], r->name[k]) == 0)
-                status = iso_fail(err, ISO_E_USAGE, "--bake: two grids have the name \"%s\"", r->name[i]);
-    return status;
+                return iso_fail(err, ISO_E_USAGE, "--bake: two grids have the name \"%s\"", r->name[i]);
+    return ISO_OK;
 }
 
 static iso_status take_up(const char *up, iso_bake_request *r, iso_error *err)

@@ -102,11 +102,11 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
         status = iso_blender_check(p, level, 1, &frames[i], err);
     if (status != ISO_OK)
         return status;
-    char *folder = iso_blender_folder(&frames[0]);
+    FREED char *folder = iso_blender_folder(&frames[0]);
     if (!folder)
         return iso_temp_dir_fail(err);
     const iso_blender_space space = iso_blender_space_of(&p->levels[0].geometry);
-    char *vdb = iso_path_join(folder, "volume.vdb"), *roi_vdb = iso_path_join(folder, "roi.vdb");
+    FREED char *vdb = iso_path_join(folder, "volume.vdb"), *roi_vdb = iso_path_join(folder, "roi.vdb");
     iso_vdb_options vdb_options = iso_vdb_defaults();
     vdb_options.pad_voxels = 1; /* Cycles fades to 0 beyond the last voxels */
     vdb_options.tf_2d = view->tf_2d ? view->tf_2d->bytes : NULL;
@@ -139,9 +139,6 @@ iso_status iso_cycles_render_frames(const iso_pyramid *p, size_t level, const is
     TRY(status, iso_blender_load_pictures(folder, view, count, pictures, err));
     iso_remove_tree(folder);
     free(scaled.levels);
-    free(roi_vdb);
-    free(vdb);
-    free(folder);
     return status;
 }
 
@@ -173,11 +170,8 @@ iso_status iso_blender_guard_grid(const char *path, bool force, iso_error *err)
 
 static iso_status guard_level(const char *blend_path, size_t k, size_t count, bool roi, bool force, iso_error *err)
 {
-    char *path = iso_blender_vdb_path(blend_path, k, count, roi);
-    const iso_status status = path ? iso_blender_guard_grid(path, force, err)
-                                   : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
-    free(path);
-    return status;
+    FREED char *path = iso_blender_vdb_path(blend_path, k, count, roi);
+    return path ? iso_blender_guard_grid(path, force, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
 }
 
 iso_status iso_blender_guard_grids(const char *blend_path, size_t level, size_t level_count, bool roi, bool force,
@@ -204,11 +198,8 @@ typedef struct export_job {
 
 static iso_status begin_grid(const export_job *e, size_t i, bool roi, iso_output *out, iso_error *err)
 {
-    char *path = iso_blender_vdb_path(e->blend_path, e->first + i, e->count, roi);
-    iso_status status = path ? iso_output_begin(out, path, err)
-                             : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", e->blend_path);
-    free(path);
-    return status;
+    FREED char *path = iso_blender_vdb_path(e->blend_path, e->first + i, e->count, roi);
+    return path ? iso_output_begin(out, path, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", e->blend_path);
 }
 
 static iso_status write_grid(const export_job *e, size_t i, iso_output *out, const iso_progress *progress,
@@ -222,9 +213,8 @@ static iso_status write_grid(const export_job *e, size_t i, iso_output *out, con
     iso_vdb_shown shown;
     iso_blender_grid_options(e->opt, &view->tf, view->tf_2d, &shown, &options);
     iso_blender_note_space(e->space, &options);
-    iso_status status = begin_grid(e, i, false, out, err);
-    TRY(status, iso_vdb_save(e->scaled, e->first + i, 1, out->temp_path, &options, progress, err));
-    return status;
+    NEED(begin_grid(e, i, false, out, err));
+    return iso_vdb_save(e->scaled, e->first + i, 1, out->temp_path, &options, progress, err);
 }
 
 static iso_status write_roi_grid(const export_job *e, size_t i, iso_output *out, iso_error *err)
@@ -232,9 +222,8 @@ static iso_status write_roi_grid(const export_job *e, size_t i, iso_output *out,
     iso_vdb_options options = iso_vdb_defaults();
     iso_vdb_shown shown;
     iso_blender_grid_options(e->opt, &e->views[i].roi->tf, NULL, &shown, &options);
-    iso_status status = begin_grid(e, i, true, out, err);
-    TRY(status, save_roi(e->p, e->views[i].roi, e->space, out->temp_path, options, err));
-    return status;
+    NEED(begin_grid(e, i, true, out, err));
+    return save_roi(e->p, e->views[i].roi, e->space, out->temp_path, options, err);
 }
 
 /* True if a level has an extinction scale. Others, like the finest, have no such grid: Cycles reads 0, a scale of 1. */
@@ -313,7 +302,7 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_lev
     if (status != ISO_OK)
         return status;
     iso_blender_started blender;
-    iso_output *outs = calloc(2 * count + 1, sizeof *outs);
+    FREED iso_output *outs = calloc(2 * count + 1, sizeof *outs);
     iso_pyramid scaled = {0};
     const iso_blender_space space = iso_blender_space_of(&p->levels[0].geometry);
     status = outs ? iso_blender_begin(opt, &blender, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
@@ -327,7 +316,6 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_lev
     if (outs)
         iso_blender_end(&blender);
     free(scaled.levels);
-    free(outs);
     return status;
 }
 

@@ -71,13 +71,12 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
 {
     *image = (iso_image){0};
     NEED(check_plan(plan, view, opt, err));
-    char *folder = iso_blender_folder(opt), *stem = folder ? iso_path_join(folder, "volume.blend") : NULL;
+    FREED char *folder = iso_blender_folder(opt), *stem = folder ? iso_path_join(folder, "volume.blend") : NULL;
     if (!stem)
         return iso_temp_dir_fail(err);
     const iso_blender_space space = iso_blender_space_of(plan->geometry);
-    char *path = plan_vdb_path(plan, stem);
+    FREED char *path = plan_vdb_path(plan, stem);
     iso_status status = save_lattice(plan, path, iso_vdb_defaults(), progress, err);
-    free(path);
     if (status == ISO_OK) {
         const plan_job job = {plan, view, stem, false, opt};
         json_t *about = describe_plan(&job, "isoshade");
@@ -88,8 +87,6 @@ iso_status iso_cycles_render_plan(const iso_blender_plan *plan, const iso_view *
     }
     TRY(status, iso_blender_load_pictures(folder, view, 1, image, err));
     iso_remove_tree(folder);
-    free(stem);
-    free(folder);
     return status;
 }
 
@@ -104,17 +101,13 @@ static iso_status write_plan(const plan_job *job, const char *folder, iso_output
     iso_vdb_options options = iso_vdb_defaults();
     iso_vdb_shown shown; /* unused for lattices, which are sparse */
     iso_blender_grid_options(job->opt, &job->view->tf, NULL, &shown, &options);
-    char *path = plan_vdb_path(plan, blend_path);
-    iso_status status = iso_output_begin(&outs[0], path, err);
-    TRY(status, save_lattice(plan, outs[0].temp_path, options, progress, err));
-    free(path);
-    if (status == ISO_OK) {
-        snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
-        json_t *about = describe_plan(job, name);
-        iso_blender_scale_directions(about, job->opt, ISO_VDB_LINEAR_SCALE);
-        status = iso_blender_save(about, blend_path, &outs[1], folder, job->opt, progress, err);
-    }
-    return status;
+    FREED char *path = plan_vdb_path(plan, blend_path);
+    NEED(iso_output_begin(&outs[0], path, err));
+    NEED(save_lattice(plan, outs[0].temp_path, options, progress, err));
+    snprintf(name, sizeof name, "%.*s", (int)(strlen(base) - strlen(".blend")), base);
+    json_t *about = describe_plan(job, name);
+    iso_blender_scale_directions(about, job->opt, ISO_VDB_LINEAR_SCALE);
+    return iso_blender_save(about, blend_path, &outs[1], folder, job->opt, progress, err);
 }
 
 iso_status iso_blender_export_plan(const iso_blender_plan *plan, const iso_view *view, const char *blend_path,

@@ -71,7 +71,7 @@ iso_geometry iso_blender_in_space(const iso_geometry *mm, const iso_blender_spac
 
 json_t *iso_blender_text(const char *text, size_t limit)
 {
-    char *copy = strdup(text);
+    FREED char *copy = strdup(text);
     size_t n = copy ? strlen(copy) : 0;
     if (n > limit)
         for (n = limit; n > 0 && ((unsigned char)text[n] & 0xC0) == 0x80;)
@@ -82,7 +82,6 @@ json_t *iso_blender_text(const char *text, size_t limit)
             copy[i] = '_';
     if (copy && !json)
         json = json_stringn(copy, n);
-    free(copy);
     return json;
 }
 
@@ -241,11 +240,10 @@ json_t *iso_blender_describe_tf(const iso_view *views, size_t first, size_t coun
 
 json_t *iso_blender_describe_one_tf(const iso_view *view, size_t first, size_t count, double units)
 {
-    iso_view *views = calloc(count, sizeof *views);
+    FREED iso_view *views = calloc(count, sizeof *views);
     for (size_t k = 0; views && k < count; ++k)
         views[k] = *view;
     json_t *tf = views ? iso_blender_describe_tf(views, first, count, units) : NULL;
-    free(views);
     return tf;
 }
 

@@ -28,10 +28,9 @@ static const char *chosen_device; /* name of a row, from iso_cycles_set_device()
 static iso_status find_device(const char *name, const char **row, iso_error *err)
 {
     size_t i;
-    const iso_status status = iso_names_find(&iso_cycles_device_names, name, &i, err);
-    if (status == ISO_OK)
-        *row = devices[i].name;
-    return status;
+    NEED(iso_names_find(&iso_cycles_device_names, name, &i, err));
+    *row = devices[i].name;
+    return ISO_OK;
 }
 
 iso_status iso_cycles_set_device(const char *name, iso_error *err)
@@ -78,16 +77,15 @@ static iso_status check_age(const char *blender, const char *version, iso_error 
 
 iso_status iso_blender_version(const char *program, char *version, size_t size, iso_error *err)
 {
-    char *blender = NULL, found[32] = "";
+    char found[32] = "";
+    FREED char *blender = NULL;
     NEED(iso_blender_find(program, &blender, err));
     const char *argv[] = {blender, "--version", NULL};
     const iso_process_options options = {.line = keep_version, .user = found, .timeout_seconds = 120};
-    iso_status status = iso_process_run(argv, &options, err);
-    TRY(status, check_age(blender, found, err));
-    if (status == ISO_OK)
-        snprintf(version, size, "%s", found);
-    free(blender);
-    return status;
+    NEED(iso_process_run(argv, &options, err));
+    NEED(check_age(blender, found, err));
+    snprintf(version, size, "%s", found);
+    return ISO_OK;
 }
 
 /* Asks Blender for its devices, which only it knows. Blender 5 shows volumes only with NanoVDB, which a build may
@@ -98,13 +96,12 @@ static iso_status probe(const char *program, char *device, size_t size, iso_erro
     iso_cycles_stats stats = {0};
     options.program = program;
     options.stats = &stats;
-    char *folder = iso_make_temp_dir();
+    FREED char *folder = iso_make_temp_dir();
     if (!folder)
         return iso_temp_dir_fail(err);
     const iso_status status = iso_blender_run(json_pack("{sb}", "probe", true), folder, &options, NULL, err);
     snprintf(device, size, "%s", stats.device);
     iso_remove_tree(folder);
-    free(folder);
     return status;
 }
 

@@ -105,14 +105,12 @@ static iso_status draw_levels(const iso_pyramid *p, size_t first, size_t count, 
     if (width > MOST_PIXELS || height > MOST_PIXELS)
         return iso_fail(err, ISO_E_RANGE, "blender: the labels need an image of %zu x %zu pixels, limit %d per side",
                         width, height, MOST_PIXELS);
-    uint8_t *pixels = calloc(width * height, 3);
+    FREED uint8_t *pixels = calloc(width * height, 3);
     if (!pixels)
         return iso_fail(err, ISO_E_MEMORY, "blender: no memory for an image of %zu x %zu labels", width, height);
     for (size_t i = 0; i < count; ++i)
         draw_level(&p->levels[first + i], &tiles[i], c, width, pixels);
-    const iso_status status = save_png(path, width, height, pixels, err);
-    free(pixels);
-    return status;
+    return save_png(path, width, height, pixels, err);
 }
 
 /* Makes the table of all labels' colors. A single label is repeated, since a table needs two entries. */
@@ -192,8 +190,8 @@ iso_status iso_blender_describe_labels(json_t *about, const iso_pyramid *p, cons
         if (levels->views[i].roi || levels->views[i].tf_2d)
             return iso_fail(err, ISO_E_USAGE, "blender: a label map has no region of interest or 2D transfer function");
     label_classes classes;
-    label_tiles *tiles = calloc(count, sizeof *tiles);
-    char *path = iso_path_join(folder, "labels.png");
+    FREED label_tiles *tiles = calloc(count, sizeof *tiles);
+    FREED char *path = iso_path_join(folder, "labels.png");
     iso_status status = find_classes(p, first, count, &classes, err);
     if (status == ISO_OK && !(tiles && path))
         status = iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
@@ -210,7 +208,5 @@ iso_status iso_blender_describe_labels(json_t *about, const iso_pyramid *p, cons
                            &tiles[i]);
     }
     free_classes(&classes);
-    free(tiles);
-    free(path);
     return status;
 }

@@ -101,16 +101,13 @@ static iso_status write_script(const char *path, iso_error *err)
                                  iso_blender_scene_transfer_py, iso_blender_scene_objects_py,
                                  iso_blender_scene_handles_py,  iso_blender_scene_window_py,
                                  iso_blender_scene_physical_py, iso_blender_build_scene_py};
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
     for (size_t i = 0; memory && i < sizeof parts / sizeof *parts; ++i)
         fprintf(memory, "%s\n\n", parts[i]);
     const bool whole = memory && fclose(memory) == 0;
-    iso_status status = whole ? iso_file_write(path, text, size, err)
-                              : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
-    free(text);
-    return status;
+    return whole ? iso_file_write(path, text, size, err) : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
 }
 
 /* ---- a Blender process, for one scene or for several ---- */
@@ -186,7 +183,7 @@ static iso_status start(const blender_run *run, iso_blender_session *s, iso_erro
     TRY(status, save_calibration_volume(run->calibration, err));
     /* Debian's Blender uses the first Python in PATH and that of PYTHONHOME as its own, and loads modules of PYTHONPATH
      * first. Those of another Python do not work. */
-    char *folder = iso_path_dir(run->blender);
+    FREED char *folder = iso_path_dir(run->blender);
     const iso_sandbox_wish sandbox = {.kind = sandbox_kind(),
                                       .first_in_path = folder && folder[0] == '/' ? folder : NULL,
                                       .without = "PYTHON"};
@@ -194,7 +191,6 @@ static iso_status start(const blender_run *run, iso_blender_session *s, iso_erro
         status = iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
     s->threads = run->threads;
     TRY(status, iso_process_start(argv, s->folder ? s->folder : run->folder, &sandbox, &s->process, err));
-    free(folder);
     return status;
 }
 
@@ -286,11 +282,10 @@ iso_status iso_blender_run(json_t *about, const char *folder, const iso_blender_
 static iso_status begin_calibration(const char *folder, const iso_blender_options *opt, iso_error *err)
 {
     blender_run run;
-    json_t *about = json_pack("{sb}", "probe", true);
+    json_auto_t *about = json_pack("{sb}", "probe", true);
     iso_status status = prepare(about, folder, opt, &run, err);
     TRY(status, start(&run, *opt->session, err));
     (*opt->session)->calibrates = status == ISO_OK;
-    json_decref(about);
     free_run(&run);
     return status;
 }
@@ -299,11 +294,9 @@ iso_status iso_blender_begin(const iso_blender_options *opt, iso_blender_started
 {
     *e = (iso_blender_started){.options = *opt};
     e->options.session = &e->session;
-    char *own = iso_blender_folder(&e->options);
+    FREED char *own = iso_blender_folder(&e->options);
     e->folder = own ? iso_blender_folder(&e->options) : NULL;
-    const iso_status status = e->folder ? begin_calibration(own, &e->options, err) : iso_temp_dir_fail(err);
-    free(own);
-    return status;
+    return e->folder ? begin_calibration(own, &e->options, err) : iso_temp_dir_fail(err);
 }
 
 void iso_blender_end(iso_blender_started *e)
@@ -375,7 +368,7 @@ iso_status iso_blender_check_path(const char *blend_path, iso_error *err)
 iso_status iso_blender_save(json_t *about, const char *blend_path, iso_output *out, const char *folder,
                             const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
 {
-    char *data = NULL, *saved = iso_path_join(folder, "saved.blend");
+    FREED char *data = NULL, *saved = iso_path_join(folder, "saved.blend");
     size_t size = 0;
     iso_status status = iso_output_begin(out, blend_path, err);
     if (status == ISO_OK && !saved)
@@ -389,7 +382,5 @@ iso_status iso_blender_save(json_t *about, const char *blend_path, iso_output *o
     /* Blender may only write to its own folder. */
     TRY(status, iso_file_read(saved, &data, &size, err));
     TRY(status, iso_file_write(out->temp_path, data, size, err));
-    free(data);
-    free(saved);
     return status;
 }

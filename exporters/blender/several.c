@@ -85,7 +85,7 @@ static iso_status write_grid(several_job *job, const iso_pyramid *p, const char 
     iso_pyramid scaled = {0};
     iso_vdb_options options = iso_vdb_defaults();
     iso_vdb_shown shown;
-    char *path = grid_path(job, name, level);
+    FREED char *path = grid_path(job, name, level);
     options.pad_voxels = 1;
     if (job->series)
         iso_blender_grid_options(&job->opt, &job->series->view->tf, job->series->view->tf_2d, &shown, &options);
@@ -97,7 +97,6 @@ static iso_status write_grid(several_job *job, const iso_pyramid *p, const char 
     TRY(status, iso_blender_pyramid_in_space(p, &job->space, &scaled, err));
     TRY(status, iso_vdb_save(&scaled, level, 1, out->temp_path, &options, job->series ? NULL : job->progress, err));
     free(scaled.levels);
-    free(path);
     return status;
 }
 
@@ -151,16 +150,14 @@ static iso_status write_frame(several_job *job, size_t frame, iso_error *err)
 /* Refuses foreign files before the first frame is loaded. */
 static iso_status guard_frames(const several_job *job, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < file_count(job) && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < file_count(job); ++i) {
         char name[24];
         frame_name(i / job->level_count, name);
-        char *path = grid_path(job, name, job->level + i % job->level_count);
-        status = path ? iso_blender_guard_grid(path, job->force, err)
-                      : iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
-        free(path);
+        FREED char *path = grid_path(job, name, job->level + i % job->level_count);
+        NEED(path ? iso_blender_guard_grid(path, job->force, err)
+                  : iso_fail(err, ISO_E_MEMORY, "blender: out of memory"));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* ---- volumes ---- */
@@ -171,25 +168,20 @@ static iso_status describe_labels(const several_job *job, json_t *about, const i
 {
     if (!p->levels[job->level].labels)
         return ISO_OK;
-    iso_view *views = calloc(job->level_count, sizeof *views);
+    FREED iso_view *views = calloc(job->level_count, sizeof *views);
     for (size_t k = 0; views && k < job->level_count; ++k)
         views[k] = *view;
-    char *own = iso_path_join(job->folder, name);
-    iso_status status = views && own && mkdir(own, 0777) == 0
-                            ? ISO_OK
-                            : iso_fail(err, ISO_E_IO, "blender: no folder for labels");
-    if (status == ISO_OK)
-        status = iso_blender_describe_labels(about, p, &(iso_blender_levels){job->level, job->level_count, views},
-                                             job->space.units, own, err);
-    free(views);
-    free(own);
-    return status;
+    FREED char *own = iso_path_join(job->folder, name);
+    if (!views || !own || mkdir(own, 0777) != 0)
+        return iso_fail(err, ISO_E_IO, "blender: no folder for labels");
+    return iso_blender_describe_labels(about, p, &(iso_blender_levels){job->level, job->level_count, views},
+                                       job->space.units, own, err);
 }
 
 static iso_status write_volume(several_job *job, size_t i, iso_error *err)
 {
-    iso_pyramid p = {0};
-    iso_view view = {0};
+    OWNED(iso_pyramid) p = {0};
+    OWNED(iso_view) view = {0};
     char name[ISO_BLENDER_VOLUME_NAME] = "";
     iso_status status = job->volumes->load(job->volumes->user, i, &p, &view, name, err);
     if (status == ISO_OK && !(job->opt.step_voxels > 0))
@@ -198,15 +190,12 @@ static iso_status write_volume(several_job *job, size_t i, iso_error *err)
     if (status == ISO_OK && i == 0)
         job->space = iso_blender_space_of(&p.levels[0].geometry);
     TRY(status, write_grids(job, i, &p, name, err));
-    json_t *about = status == ISO_OK ? describe(job, &p, &view, name, name) : NULL;
+    json_auto_t *about = status == ISO_OK ? describe(job, &p, &view, name, name) : NULL;
     TRY(status, describe_labels(job, about, &p, &view, name, err));
     if (status == ISO_OK && i == 0)
         job->about = json_incref(about);
     else if (status == ISO_OK)
         json_array_append(job->more, about);
-    json_decref(about);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
     return status;
 }
 

@@ -108,15 +108,11 @@ static void print_scene(FILE *f, const iso_medium *m)
 
 static iso_status write_scene(const iso_medium *m, const char *folder, iso_error *err)
 {
-    char *path;
+    FREED char *path = NULL;
     FILE *f;
-    iso_status status = iso_medium_open(folder, "scene.xml", &path, &f, err);
-    if (status == ISO_OK) {
-        print_scene(f, m);
-        status = iso_medium_close(f, path, err);
-    }
-    free(path);
-    return status;
+    NEED(iso_medium_open(folder, "scene.xml", &path, &f, err));
+    print_scene(f, m);
+    return iso_medium_close(f, path, err);
 }
 
 /* Writes the native byte order, which is little-endian on all supported machines. */
@@ -139,13 +135,10 @@ static void write_grid(FILE *f, const iso_medium *m)
 
 iso_status iso_medium_write_mitsuba(const iso_medium *m, const char *folder, iso_error *err)
 {
-    char *path;
+    FREED char *path = NULL;
     FILE *f;
-    iso_status status = iso_medium_open(folder, "sigma_t.vol", &path, &f, err);
-    if (status == ISO_OK) {
-        write_grid(f, m);
-        status = iso_medium_close(f, path, err);
-    }
-    free(path);
-    return status == ISO_OK ? write_scene(m, folder, err) : status;
+    NEED(iso_medium_open(folder, "sigma_t.vol", &path, &f, err));
+    write_grid(f, m);
+    NEED(iso_medium_close(f, path, err));
+    return write_scene(m, folder, err);
 }

@@ -145,15 +145,11 @@ static void print_medium(FILE *f, const iso_medium *m)
 static iso_status write_text(const iso_medium *m, const char *folder, const char *name,
                              void print(FILE *, const iso_medium *), iso_error *err)
 {
-    char *path;
+    FREED char *path = NULL;
     FILE *f;
-    iso_status status = iso_medium_open(folder, name, &path, &f, err);
-    if (status == ISO_OK) {
-        print(f, m);
-        status = iso_medium_close(f, path, err);
-    }
-    free(path);
-    return status;
+    NEED(iso_medium_open(folder, name, &path, &f, err));
+    print(f, m);
+    return iso_medium_close(f, path, err);
 }
 
 iso_status iso_medium_write_pbrt(const iso_medium *m, const char *folder, iso_error *err)

@@ -167,14 +167,13 @@ static iso_status write_state(json_t *scene, const char *path, iso_error *err)
 {
     static const char place[] = "SCENE = {}";
     const char *at = strstr(iso_paraview_state_py, place);
-    char *literal = scene ? json_dumps(scene, JSON_ENSURE_ASCII | JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
+    FREED char *literal = scene ? json_dumps(scene, JSON_ENSURE_ASCII | JSON_INDENT(1) | JSON_REAL_PRECISION(9)) : NULL;
     char *text = NULL;
     const int length = literal && at ? asprintf(&text, "%.*sSCENE = %s%s", (int)(at - iso_paraview_state_py),
                                                 iso_paraview_state_py, literal, at + sizeof place - 1)
                                      : -1;
     const iso_status status = length >= 0 ? iso_file_write(path, text, (size_t)length, err)
                                           : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
-    free(literal);
     if (length >= 0)
         free(text);
     return status;
@@ -185,7 +184,7 @@ static iso_status write_state(json_t *scene, const char *path, iso_error *err)
 /* Makes a name of letters, digits, "-" and "_". */
 static char *scene_name(const char *dir)
 {
-    char *copy = strdup(dir);
+    FREED char *copy = strdup(dir);
     size_t end = copy ? strlen(copy) : 0;
     while (end > 0 && copy[end - 1] == '/')
         copy[--end] = '\0';
@@ -193,23 +192,18 @@ static char *scene_name(const char *dir)
     for (char *c = name; c && *c; ++c)
         if (!isalnum((unsigned char)*c) && *c != '-' && *c != '_')
             *c = '_';
-    free(copy);
     return name;
 }
 
 static iso_status write_files(const iso_level *level, const iso_view *view, const char *name, const char *dir,
                               iso_error *err)
 {
-    char *vti = NULL, *state = NULL;
-    iso_status status = asprintf(&vti, "%s/%s.vti", dir, name) >= 0 && asprintf(&state, "%s/%s.py", dir, name) >= 0
-                            ? write_vti(level, vti, err)
-                            : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    json_t *scene = scene_json(level, view, name);
-    TRY(status, write_state(scene, state, err));
-    json_decref(scene);
-    free(vti);
-    free(state);
-    return status;
+    FREED char *vti = NULL, *state = NULL;
+    NEED(asprintf(&vti, "%s/%s.vti", dir, name) >= 0 && asprintf(&state, "%s/%s.py", dir, name) >= 0
+             ? write_vti(level, vti, err)
+             : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    json_auto_t *scene = scene_json(level, view, name);
+    return write_state(scene, state, err);
 }
 
 iso_status iso_paraview_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *dir,
@@ -217,13 +211,12 @@ iso_status iso_paraview_export(const iso_pyramid *p, size_t level, const iso_vie
 {
     iso_output out = {0};
     NEED(check(&p->levels[level], view, err));
-    char *name = scene_name(dir);
+    FREED char *name = scene_name(dir);
     if (!name)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_status status = iso_output_begin_dir(&out, dir, "*.vti", err); /* any name: the folder may have been renamed */
     TRY(status, write_files(&p->levels[level], view, name, out.temp_path, err));
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
-    free(name);
     return status;
 }

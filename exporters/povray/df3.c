@@ -158,10 +158,9 @@ static iso_status write_at(const plane_writer *w, size_t channel, const uint8_t 
 static iso_status write_plane(const plane_writer *w, const plane_buffers *buffers, size_t z, iso_error *err)
 {
     const size_t bytes = w->row_bytes * w->size[1];
-    iso_status status = ISO_OK;
-    for (size_t c = 0; c < w->source->channels && status == ISO_OK; ++c)
-        status = write_at(w, c, buffers->planes + c * bytes, bytes, HEADER_BYTES + z * bytes, err);
-    return status;
+    for (size_t c = 0; c < w->source->channels; ++c)
+        NEED(write_at(w, c, buffers->planes + c * bytes, bytes, HEADER_BYTES + z * bytes, err));
+    return ISO_OK;
 }
 
 /* Writes planes [begin, end): each thread encodes a plane and writes it at its position, without waiting for others. */
@@ -195,31 +194,29 @@ static iso_status write_planes(const plane_writer *w, iso_error *err)
 {
     const iso_df3_source *s = w->source;
     const size_t depth = w->size[2], slab = s->prepare ? s->planes : depth;
-    iso_status status = ISO_OK;
-    for (size_t z = 0; z < depth && status == ISO_OK; z += slab) {
+    for (size_t z = 0; z < depth; z += slab) {
         const size_t end = z + slab < depth ? z + slab : depth;
         if (s->prepare)
-            status = s->prepare(s->prepare_user, source_index(w, z, 2), source_index(w, end - 1, 2) + 1, err);
-        TRY(status, write_slab(w, z, end, err));
+            NEED(s->prepare(s->prepare_user, source_index(w, z, 2), source_index(w, end - 1, 2) + 1, err));
+        NEED(write_slab(w, z, end, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status open_files(plane_writer *w, iso_error *err)
 {
     uint8_t header[HEADER_BYTES];
-    iso_status status = ISO_OK;
     for (unsigned a = 0; a < 3; ++a)
         put_big_endian(header + 2 * a, (uint32_t)w->size[a], 2);
     for (size_t c = 0; c < ISO_DF3_MAX_CHANNELS; ++c)
         w->files[c] = -1;
-    for (size_t c = 0; c < w->source->channels && status == ISO_OK; ++c) {
+    for (size_t c = 0; c < w->source->channels; ++c) {
         w->files[c] = open(w->paths[c], O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
         if (w->files[c] < 0)
             return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", w->paths[c], strerror(errno));
-        status = write_at(w, c, header, sizeof header, 0, err);
+        NEED(write_at(w, c, header, sizeof header, 0, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status close_files(plane_writer *w, iso_status status, iso_error *err)

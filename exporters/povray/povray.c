@@ -79,7 +79,7 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
                              const iso_povray_options *opt, const iso_progress *progress, iso_error *err)
 {
     NEED(iso_povray_check(p, level, view, opt, err));
-    char *name = scene_name(dir);
+    FREED char *name = scene_name(dir);
     if (!name)
         return iso_povray_no_memory(err);
     iso_output out = {0};
@@ -93,6 +93,5 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
     }
     iso_output_abandon(&out);
     iso_povray_release(&s);
-    free(name);
     return status;
 }

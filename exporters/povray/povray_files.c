@@ -213,21 +213,19 @@ static iso_status write_directions(const iso_pyramid *p, const iso_povray_scene 
     static const char *const suffixes[3] = {"_dx.df3", "_dy.df3", "_dz.df3"};
     const iso_lattice *lattice = lattice_of(s);
     const bool floats = s->options->float_directions, makes = !floats && !lattice && !s->voxels->codes;
-    iso_narrow_codes made = {0};
+    OWNED(iso_narrow_codes) made = {0};
     layer_reader r = {.code = p->options.code, .level = s->voxels, .made = makes ? &made : NULL};
     if (lattice)
         r.lattice = iso_lattice_samples_of(lattice, r.code);
     iso_progress_report(progress, "povray: writing DF3", 0.25);
-    iso_status status = makes ? iso_narrow_codes_begin(&made, p, s->options->volume, err) : ISO_OK;
-    if (status == ISO_OK)
-        status = write_samples(s, &r,
-                               lattice  ? read_lattice_directions
-                               : floats ? read_directions
-                               : makes  ? read_made_codes
-                                        : read_codes,
-                               suffixes, 3, &s->direction, dir, err);
-    iso_narrow_codes_destroy(&made);
-    return status;
+    if (makes)
+        NEED(iso_narrow_codes_begin(&made, p, s->options->volume, err));
+    return write_samples(s, &r,
+                         lattice  ? read_lattice_directions
+                         : floats ? read_directions
+                         : makes  ? read_made_codes
+                                  : read_codes,
+                         suffixes, 3, &s->direction, dir, err);
 }
 
 /* Returns the entries of all rows; the caller frees them. */
@@ -252,7 +250,7 @@ static iso_status write_tf_tables(const iso_povray_scene *s, const char *dir, is
 {
     static const char *const suffix[4] = {"_tf_red.df3", "_tf_green.df3", "_tf_blue.df3", "_tf_extinction.df3"};
     const iso_tf_2d *tf_2d = s->tf_2d;
-    float *rows = tf_2d ? tf_2d_rows(tf_2d) : NULL;
+    FREED float *rows = tf_2d ? tf_2d_rows(tf_2d) : NULL;
     if (tf_2d && !rows)
         return iso_povray_no_memory(err);
     double most[4] = {s->peak_color, s->peak_color, s->peak_color, s->peak_extinction};
@@ -262,32 +260,28 @@ static iso_status write_tf_tables(const iso_povray_scene *s, const char *dir, is
             continue;
         const iso_df3_coding coding = {32, 0, most[c]};
         const size_t size[2] = {s->tf->count, rows ? ISO_TF_2D_ROWS : 1};
-        char *path = iso_povray_file_path(dir, s->name, suffix[c]);
+        FREED char *path = iso_povray_file_path(dir, s->name, suffix[c]);
         status = path ? iso_df3_write_table(path, size, rows ? rows : s->tf->entries, 4, c, &coding, err)
                       : iso_povray_no_memory(err);
-        free(path);
     }
-    free(rows);
     return status;
 }
 
 static iso_status write_text(const iso_povray_scene *s, const char *dir, const char *suffix,
                              void (*write)(FILE *, const iso_povray_scene *), iso_error *err)
 {
-    char *path = iso_povray_file_path(dir, s->name, suffix);
+    FREED char *path = iso_povray_file_path(dir, s->name, suffix);
     FILE *file = path ? fopen(path, "w") : NULL;
-    iso_status status = ISO_OK;
     if (file) {
         write(file, s);
         bool failed = ferror(file) != 0;
         if (fclose(file) != 0 || failed)
-            status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
+            return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
     } else {
-        status = path ? iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno))
-                      : iso_povray_no_memory(err);
+        NEED(path ? iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno))
+                  : iso_povray_no_memory(err));
     }
-    free(path);
-    return status;
+    return ISO_OK;
 }
 
 /* Describes a scene. level: voxels of the pyramid's level or of a region of interest; tf: the transfer function's table
@@ -361,14 +355,11 @@ static iso_status write_layer(const iso_pyramid *p, const iso_povray_scene *s, c
     layer_reader r = {.level = s->voxels, .volume = s->options->volume};
     if (lattice)
         r.lattice = iso_lattice_samples_of(lattice, p->options.code);
-    iso_status status = write_samples(s, &r, lattice ? read_lattice_scalars : read_scalars, &suffix, 1, &s->scalar, dir,
-                                      err);
-    TRY(status, write_directions(p, s, dir, progress, err));
-    if (status == ISO_OK && !s->options->isosurface)
-        status = write_tf_tables(s, dir, err);
-    if (status == ISO_OK && s->extinction_scale)
-        status = write_bytes(s, s->extinction_scale, "_scale.df3", dir, err);
-    return status;
+    NEED(write_samples(s, &r, lattice ? read_lattice_scalars : read_scalars, &suffix, 1, &s->scalar, dir, err));
+    NEED(write_directions(p, s, dir, progress, err));
+    if (!s->options->isosurface)
+        NEED(write_tf_tables(s, dir, err));
+    return s->extinction_scale ? write_bytes(s, s->extinction_scale, "_scale.df3", dir, err) : ISO_OK;
 }
 
 iso_status iso_povray_write_files(const iso_povray_prepared *s, const char *dir, const iso_progress *progress,

@@ -40,17 +40,14 @@ static void take_version(void *user, const char *line)
 
 iso_status iso_povray_version(char *version, size_t size, iso_error *err)
 {
-    char *program = NULL;
+    FREED char *program = NULL;
     version[0] = 0;
     NEED(find_povray(&program, err));
     version_search search = {version, size};
     const char *argv[] = {program, "--version", NULL};
     const iso_process_options options = {.line = take_version, .user = &search, .timeout_seconds = 600};
-    iso_status status = iso_process_run(argv, &options, err);
-    if (status == ISO_OK && !version[0])
-        status = iso_fail(err, ISO_E_PROGRAM, "%s: --version names no version of POV-Ray", program);
-    free(program);
-    return status;
+    NEED(iso_process_run(argv, &options, err));
+    return !version[0] ? iso_fail(err, ISO_E_PROGRAM, "%s: --version names no version of POV-Ray", program) : ISO_OK;
 }
 
 /* ---- starting it ---- */
@@ -148,7 +145,7 @@ static void take_progress(void *user, const char *line)
 /* Writes frames.pov: scene, pass and intervals of each frame. */
 static iso_status write_frames(const render_job *job, iso_error *err)
 {
-    char *path = iso_path_join(job->dir, "frames.pov"), *text = NULL;
+    FREED char *path = iso_path_join(job->dir, "frames.pov"), *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
     if (f) {
@@ -160,10 +157,7 @@ static iso_status write_frames(const render_job *job, iso_error *err)
         fprintf(f, "#end\n");
     }
     const bool whole = f && fclose(f) == 0 && path;
-    iso_status status = whole ? iso_file_write(path, text, size, err) : iso_povray_no_memory(err);
-    free(text);
-    free(path);
-    return status;
+    return whole ? iso_file_write(path, text, size, err) : iso_povray_no_memory(err);
 }
 
 /* Returns the path of a pass's picture, to be freed. POV-Ray pads frame numbers to the width of the last one. */
@@ -182,12 +176,11 @@ static iso_status load_pass(const render_job *job, size_t frame, iso_image *imag
 {
     const iso_view *view = job->pictures[frame / PASSES].scene->view;
     iso_error why = {""};
-    char *path = pass_path(job, frame);
+    FREED char *path = pass_path(job, frame);
     if (!path)
         return iso_povray_no_memory(err);
     const iso_status status = iso_path_is_file(path) ? iso_image_load_ppm(path, image, &why)
                                                      : iso_fail(&why, ISO_E_PROGRAM, "it wrote no picture");
-    free(path);
     if (status == ISO_E_MEMORY || status == ISO_E_IO)
         return iso_fail(err, status, "%s", why.text);
     if (status != ISO_OK)
@@ -253,13 +246,11 @@ static void compose(iso_image *emission, const iso_image *transmittance, const i
 static iso_status load_picture(const render_job *job, size_t i, iso_image *image, iso_error *err)
 {
     const iso_povray_scene *scene = job->pictures[i].scene;
-    iso_image transmittance = {0};
-    iso_status status = load_pass(job, PASSES * i, &transmittance, err);
-    TRY(status, load_pass(job, PASSES * i + 1, image, err));
-    if (status == ISO_OK)
-        compose(image, &transmittance, scene->view, scene->peak);
-    iso_image_destroy(&transmittance);
-    return status;
+    OWNED(iso_image) transmittance = {0};
+    NEED(load_pass(job, PASSES * i, &transmittance, err));
+    NEED(load_pass(job, PASSES * i + 1, image, err));
+    compose(image, &transmittance, scene->view, scene->peak);
+    return ISO_OK;
 }
 
 /* Renders pictures with one start; all or none. */
@@ -302,11 +293,10 @@ double iso_povray_df3_bytes(const char *folder)
     double sum = 0;
     DIR *dir = opendir(folder);
     for (struct dirent *e = dir ? readdir(dir) : NULL; e; e = readdir(dir)) {
-        char *path = iso_path_join(folder, e->d_name);
+        FREED char *path = iso_path_join(folder, e->d_name);
         struct stat about;
         if (path && iso_path_ends_with(path, ".df3") && stat(path, &about) == 0)
             sum += (double)about.st_size;
-        free(path);
     }
     if (dir)
         closedir(dir);
@@ -357,14 +347,13 @@ static iso_status render_prepared(const prepared_scenes *s, const wanted_picture
                                   const iso_progress *progress, iso_image *images, iso_error *err)
 {
     const iso_povray_options *opt = pictures[0].scene->options;
-    char *program = NULL;
+    FREED char *program = NULL;
     iso_status status = find_povray(&program, err);
     if (opt->stats)
         *opt->stats = (iso_povray_stats){.df3_bytes = iso_povray_df3_bytes(s->dir)};
     if (status == ISO_OK)
         status = render_pictures(&(render_job){program, s->dir, pictures, count, opt->threads, opt->stats}, progress,
                                  images, err);
-    free(program);
     return status;
 }
 

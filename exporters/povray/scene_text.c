@@ -285,7 +285,7 @@ void iso_povray_write_renamed(FILE *f, const char *text)
 /* Writes the finer layer. If memory runs out, nothing is written, and POV-Ray reports undeclared names. */
 static void write_roi_layer(FILE *f, const iso_povray_scene *roi)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
     if (!memory)
@@ -293,7 +293,6 @@ static void write_roi_layer(FILE *f, const iso_povray_scene *roi)
     write_layer(memory, roi);
     if (fclose(memory) == 0)
         iso_povray_write_renamed(f, text);
-    free(text);
 }
 
 void iso_povray_write_include(FILE *f, const iso_povray_scene *s)

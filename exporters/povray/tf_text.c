@@ -62,8 +62,8 @@ static void fit_points(const iso_povray_scene *s, editable_map *map)
 {
     const double densest = s->peak_extinction;
     *map = (editable_map){.unit_mm = 2.302585 / densest, .loss = 5e-4}; /* an opacity of 0.9 */
-    iso_tf_table t = with_transparency(s->tf, map->unit_mm);
-    bool *keep = t.entries ? calloc(t.count, sizeof *keep) : NULL;
+    OWNED(iso_tf_table) t = with_transparency(s->tf, map->unit_mm);
+    FREED bool *keep = t.entries ? calloc(t.count, sizeof *keep) : NULL;
     const int channels[2] = {0, 4};
     size_t count = MOST_POINTS + 1;
     while (keep && count > MOST_POINTS) {
@@ -78,8 +78,6 @@ static void fit_points(const iso_povray_scene *s, editable_map *map)
         map->points[map->count++] =
             (map_point){(double)i / (double)(t.count - 1), {(double)e[0], (double)e[1], (double)e[2]}, (double)e[3]};
     }
-    free(keep);
-    iso_tf_table_destroy(&t);
 }
 
 /* Makes the map. False if the TF is 2D or has colors above 1, which a color_map cannot hold. */
@@ -136,7 +134,7 @@ static void write_map_of(FILE *f, const iso_povray_scene *s)
 
 void iso_povray_write_map(FILE *f, const iso_povray_scene *s)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     FILE *memory = s->is_roi ? open_memstream(&text, &size) : NULL;
     if (!memory) {
@@ -146,7 +144,6 @@ void iso_povray_write_map(FILE *f, const iso_povray_scene *s)
     write_map_of(memory, s);
     if (fclose(memory) == 0)
         iso_povray_write_renamed(f, text);
-    free(text);
 }
 
 /* Compares between the points too, because of steps. */

@@ -150,12 +150,11 @@ static void write_table_lookup(FILE *f, const iso_povray_scene *s, bool color)
 static void write_map(FILE *f, const iso_povray_scene *s, bool color)
 {
     const map_source source = color ? color_source(s) : extinction_source(s);
-    bool *keep = color_map_entries(s, source);
+    FREED bool *keep = color_map_entries(s, source);
     if (keep)
         write_color_map(f, color ? "Iso_TF_Color" : "Iso_TF_Extinction", s->tf, source, keep);
     else
         write_table_lookup(f, s, color);
-    free(keep);
 }
 
 const char *iso_povray_lazily(const iso_povray_scene *s, const char *select)

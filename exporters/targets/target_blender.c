@@ -46,7 +46,7 @@ static void report_ramps(const iso_export_job *job, const iso_view *views, size_
                     "label map: exact, as an image of class numbers and a color map with one entry per class\n");
         return;
     }
-    json_t *list = json_array();
+    json_auto_t *list = json_array();
     iso_color_ramp ramp = {0}, next;
     for (size_t k = 0, first = 0; k < count; ++k) {
         iso_color_ramp_fit(&views[k].tf, &next);
@@ -61,13 +61,12 @@ static void report_ramps(const iso_export_job *job, const iso_view *views, size_
     }
     if (job->results)
         json_object_set(job->results, "color_ramps", list);
-    json_decref(list);
 }
 
 static iso_status write_planned(const iso_export_job *job, const iso_blender_options *o, iso_error *err)
 {
     const iso_node_levels *n = &job->planned->nodes;
-    iso_planned_lattices lattices;
+    OWNED(iso_planned_lattices) lattices = {0};
     /* Merges the bricks: for overlapping volumes Cycles evaluates all materials at each step, which took several times
      * as long. */
     NEED(iso_planned_lattices_create(job->planned, true, true, job->threads, &lattices, err));
@@ -75,11 +74,9 @@ static iso_status write_planned(const iso_export_job *job, const iso_blender_opt
                                    .lattice = &lattices.items[0],
                                    .source = job->pyramid->source,
                                    .unit = job->pyramid->unit.name};
-    iso_status status = iso_blender_export_plan(&plan, job->view, job->output, o, job->progress, err);
-    if (status == ISO_OK)
-        report_ramps(job, job->view, 1);
-    iso_planned_lattices_destroy(&lattices);
-    return status;
+    NEED(iso_blender_export_plan(&plan, job->view, job->output, o, job->progress, err));
+    report_ramps(job, job->view, 1);
+    return ISO_OK;
 }
 
 static void take_grid_options(const iso_export_job *job, iso_blender_options *o)
@@ -123,10 +120,9 @@ static iso_status write_blender_frames(const iso_export_job *job, iso_error *err
     o.physical = job->physical;
     const iso_blender_sequence all = {job->level, job->level_count, job->frame_count, job->view, job->load_frame, job->frame_user,
                                       job->force};
-    const iso_status status = iso_blender_export_sequence(&all, job->output, &o, job->progress, err);
-    if (status == ISO_OK)
-        report_ramps(job, job->view, 1);
-    return status;
+    NEED(iso_blender_export_sequence(&all, job->output, &o, job->progress, err));
+    report_ramps(job, job->view, 1);
+    return ISO_OK;
 }
 
 static iso_status write_blender_volumes(const iso_export_job *job, iso_error *err)
@@ -143,22 +139,16 @@ static iso_status write_blender_volumes(const iso_export_job *job, iso_error *er
 /* Renders the first frame of the file, with the agreement settings of its text block, to a picture next to it. */
 static iso_status open_blender(const char *output, iso_image *picture, iso_error *err)
 {
-    char *program = NULL, *exr = NULL;
+    FREED char *program = NULL, *exr = NULL;
     const int stem = (int)(strlen(output) - strlen(".blend"));
-    iso_status status = iso_process_find("blender", "blender", &program, err);
-    if (status == ISO_OK && asprintf(&exr, "%.*s_0001.exr", stem, output) < 0)
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK) {
-        const char *argv[] = {program, "-b", output, "--python-text", "isoshade agreement", "-f", "1", NULL};
-        char *folder = iso_path_dir(exr);
-        const iso_process_options options = {.sandbox = {.output = folder}, .timeout_seconds = 600};
-        status = folder ? iso_process_run(argv, &options, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-        free(folder);
-    }
-    TRY(status, iso_image_load_exr(exr, picture, err));
-    free(program);
-    free(exr);
-    return status;
+    NEED(iso_process_find("blender", "blender", &program, err));
+    if (asprintf(&exr, "%.*s_0001.exr", stem, output) < 0)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    const char *argv[] = {program, "-b", output, "--python-text", "isoshade agreement", "-f", "1", NULL};
+    FREED char *folder = iso_path_dir(exr);
+    const iso_process_options options = {.sandbox = {.output = folder}, .timeout_seconds = 600};
+    NEED(folder ? iso_process_run(argv, &options, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    return iso_image_load_exr(exr, picture, err);
 }
 
 const iso_export_target iso_export_target_blender = {

@@ -50,24 +50,22 @@ iso_status iso_target_medium_write(const iso_export_job *job, const iso_target_m
 {
     iso_bake_options o = job->lattice.points > 0 ? job->lattice : iso_bake_defaults();
     iso_bake_error error = {0};
-    iso_baked baked = {0};
+    OWNED(iso_baked) baked = {0};
     iso_medium medium = {0};
-    iso_view view = {0};
+    OWNED(iso_view) view = {0};
     o.shaded = t->emits;
     o.threads = job->threads;
-    iso_status status = job->view_of_level(job, job->level, &view, err);
-    TRY(status,
+    NEED(job->view_of_level(job, job->level, &view, err));
+    NEED(
         iso_bake(&job->pyramid->levels[job->level], job->pyramid->options.code, &view, &o, &baked, job->progress, err));
-    if (status == ISO_OK && t->emits && (job->results || job->notes))
-        status = iso_bake_measure_shaded(&baked, ISO_BAKE_ERROR_PIXELS, &error, job->progress, err);
+    if (t->emits && (job->results || job->notes))
+        NEED(iso_bake_measure_shaded(&baked, ISO_BAKE_ERROR_PIXELS, &error, job->progress, err));
     const char *source = job->pyramid->source ? iso_path_base(job->pyramid->source) : NULL;
-    TRY(status, iso_medium_create(&baked, source, &medium, err));
-    TRY(status, write_folder(job, &medium, t, err));
-    if (status == ISO_OK && job->results)
+    NEED(iso_medium_create(&baked, source, &medium, err));
+    NEED(write_folder(job, &medium, t, err));
+    if (job->results)
         tell_json(job->results, &medium, t, &error);
-    if (status == ISO_OK && job->notes)
+    if (job->notes)
         tell_person(job->notes, &medium, t, &error);
-    iso_baked_destroy(&baked);
-    iso_view_destroy(&view);
-    return status;
+    return ISO_OK;
 }

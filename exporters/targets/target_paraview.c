@@ -7,11 +7,9 @@ static iso_status write_paraview(const iso_export_job *job, iso_error *err)
 {
     if (job->planned)
         return iso_fail(err, ISO_E_USAGE, "--plan has no meaning for --to paraview");
-    iso_view view;
+    OWNED(iso_view) view = {0};
     NEED(job->view_of_level(job, job->level, &view, err));
-    iso_status status = iso_paraview_export(job->pyramid, job->level, &view, job->output, err);
-    iso_view_destroy(&view);
-    return status;
+    return iso_paraview_export(job->pyramid, job->level, &view, job->output, err);
 }
 
 const iso_export_target iso_export_target_paraview = {

@@ -11,7 +11,7 @@
 
 static iso_status write_planned(const iso_export_job *job, iso_povray_options o, iso_error *err)
 {
-    iso_planned_crop crop;
+    OWNED(iso_planned_crop) crop = {0};
     NEED(iso_planned_crop_create(job->planned, &job->pyramid->levels[0], job->threads, &crop, err));
     const iso_pyramid cropped = {.options = job->pyramid->options,
                                  .source = job->pyramid->source,
@@ -20,9 +20,7 @@ static iso_status write_planned(const iso_export_job *job, iso_povray_options o,
     o.box = (const double(*)[3])crop.box;
     o.quantum = crop.quantum;
     o.lattice = &crop.lattice;
-    iso_status status = iso_povray_export(&cropped, 0, job->view, job->output, &o, job->progress, err);
-    iso_planned_crop_destroy(&crop);
-    return status;
+    return iso_povray_export(&cropped, 0, job->view, job->output, &o, job->progress, err);
 }
 
 static double step_of(double asked_voxels, const iso_view *view)
@@ -49,33 +47,25 @@ static iso_status write_povray(const iso_export_job *job, iso_error *err)
     o.volume = job->volume;
     if (job->planned)
         return write_planned(job, o, err);
-    iso_view view;
+    OWNED(iso_view) view = {0};
     NEED(job->view_of_level(job, job->level, &view, err));
     o.isosurface = job->isosurface;
     o.iso = job->iso;
-    iso_status status = iso_povray_export(job->pyramid, job->level, &view, job->output, &o, job->progress, err);
-    iso_view_destroy(&view);
-    return status;
+    return iso_povray_export(job->pyramid, job->level, &view, job->output, &o, job->progress, err);
 }
 
 /* Runs "povray NAME.ini" in the folder (doc/guide/povray.md). */
 static iso_status open_povray(const char *output, iso_image *picture, iso_error *err)
 {
     const char *name = iso_path_base(output);
-    char *program = NULL, *ini = NULL, *png = NULL;
-    iso_status status = iso_process_find("povray", "povray", &program, err);
-    if (status == ISO_OK && (asprintf(&ini, "%s.ini", name) < 0 || asprintf(&png, "%s/%s.png", output, name) < 0))
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK) {
-        const char *argv[] = {program, ini, NULL};
-        const iso_process_options options = {.directory = output, .timeout_seconds = 600};
-        status = iso_povray_run_program(argv, &options, err);
-    }
-    TRY(status, iso_image_load_png(png, picture, err));
-    free(program);
-    free(ini);
-    free(png);
-    return status;
+    FREED char *program = NULL, *ini = NULL, *png = NULL;
+    NEED(iso_process_find("povray", "povray", &program, err));
+    if (asprintf(&ini, "%s.ini", name) < 0 || asprintf(&png, "%s/%s.png", output, name) < 0)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    const char *argv[] = {program, ini, NULL};
+    const iso_process_options options = {.directory = output, .timeout_seconds = 600};
+    NEED(iso_povray_run_program(argv, &options, err));
+    return iso_image_load_png(png, picture, err);
 }
 
 const iso_export_target iso_export_target_povray = {

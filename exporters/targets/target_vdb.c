@@ -8,12 +8,10 @@
 static iso_status write_planned(const iso_export_job *job, iso_vdb_options *o, iso_error *err)
 {
     o->half_directions = !job->float_directions;
-    iso_planned_lattices lattices;
+    OWNED(iso_planned_lattices) lattices = {0};
     NEED(iso_planned_lattices_create(job->planned, job->merged, false, job->threads, &lattices, err));
-    iso_status status = iso_vdb_save_lattices(lattices.items, lattices.count, job->pyramid->source, job->output, o,
-                                              job->progress, err);
-    iso_planned_lattices_destroy(&lattices);
-    return status;
+    return iso_vdb_save_lattices(lattices.items, lattices.count, job->pyramid->source, job->output, o, job->progress,
+                                 err);
 }
 
 /* One view per level of the file, and the voxels that they show. */

@@ -65,22 +65,20 @@ iso_status iso_target_vdb_baked(const iso_export_job *job, iso_error *err)
     iso_bake_request request = *job->bake, *r = &request;
     iso_bake_options o = r->lattice;
     iso_bake_error error = {0};
-    iso_baked baked = {0};
-    iso_view view = {0};
+    OWNED(iso_baked) baked = {0};
+    OWNED(iso_view) view = {0};
     o.threads = job->threads;
-    iso_status status = job->view_of_level(job, job->level, &view, err);
-    TRY(status,
+    NEED(job->view_of_level(job, job->level, &view, err));
+    NEED(
         iso_bake(&job->pyramid->levels[job->level], job->pyramid->options.code, &view, &o, &baked, job->progress, err));
-    if (status == ISO_OK && !r->unit_is_asked && !iso_vdb_fits(&r->convention, &baked.geometry))
+    if (!r->unit_is_asked && !iso_vdb_fits(&r->convention, &baked.geometry))
         r->convention.unit = iso_vdb_choose_unit(iso_geometry_mean_spacing_mm(&baked.geometry), NULL,
                                                  &r->convention.unit_mm);
-    TRY(status, iso_bake_measure(&baked, r->has[ISO_BAKE_EMISSION], r->error_pixels, &error, job->progress, err));
-    TRY(status, iso_bake_save(&baked, r, (int)job->level, job->pyramid->source, job->output, job->progress, err));
-    if (status == ISO_OK && job->results)
+    NEED(iso_bake_measure(&baked, r->has[ISO_BAKE_EMISSION], r->error_pixels, &error, job->progress, err));
+    NEED(iso_bake_save(&baked, r, (int)job->level, job->pyramid->source, job->output, job->progress, err));
+    if (job->results)
         tell_json(job->results, &baked, r, &error);
-    if (status == ISO_OK && job->notes)
+    if (job->notes)
         tell_person(job->notes, &baked, r, &error);
-    iso_baked_destroy(&baked);
-    iso_view_destroy(&view);
-    return status;
+    return ISO_OK;
 }

@@ -206,14 +206,13 @@ bool iso_vdb_is_ours(const char *path)
     /* A key, the type of its value, and the value, each after its length. Only the command precedes it. */
     static const char key[] = "creator\6\0\0\0string", name[] = "isoshade";
     enum { HEAD_BYTES = 1 << 16, LENGTH_BYTES = 4 };
-    char *head = calloc(HEAD_BYTES + sizeof key + LENGTH_BYTES + sizeof name, 1);
+    FREED char *head = calloc(HEAD_BYTES + sizeof key + LENGTH_BYTES + sizeof name, 1);
     FILE *file = fopen(path, "rbe");
     const size_t size = head && file ? fread(head, 1, HEAD_BYTES, file) : 0;
     const char *at = size > 0 ? memmem(head, size, key, sizeof key - 1) : NULL;
     const bool found = at && strncmp(at + sizeof key - 1 + LENGTH_BYTES, name, sizeof name - 1) == 0;
     if (file)
         fclose(file);
-    free(head);
     return found;
 }
 

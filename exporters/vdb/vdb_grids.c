@@ -277,9 +277,8 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
         source.background = grids->activity.background;
     }
     const bool makes_codes = opt->gradient && !level->codes;
-    if (makes_codes) {
+    if (makes_codes)
         NEED(iso_narrow_codes_begin(&grids->made, p, opt->volume, err));
-    }
     const grid_readers readers = {.scalar = read_scalar,
                                   .directions = opt->gradient ? read_directions : NULL,
                                   .tf_2d = opt->tf_2d ? read_tf_2d : NULL,
@@ -295,12 +294,10 @@ iso_status iso_vdb_add_level(const iso_vdb_job *job, const iso_pyramid *p, size_
      * parts of small levels were not drawn (projects.blender.org, issue 141488). */
     const long first = opt->pad_voxels > 0 ? (long)opt->pad_voxels + 1 : 0;
     iso_vdb_begin_at(&source, (const long[3]){first, first, first});
-    char *segments = level->segments ? json_dumps(level->segments, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
+    FREED char *segments = level->segments ? json_dumps(level->segments, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
     if (level->labels)
         source.labels = segments ? segments : "[]";
-    const iso_status status = add_grids(job, &source, &readers, grids, err);
-    free(segments);
-    return status;
+    return add_grids(job, &source, &readers, grids, err);
 }
 
 void iso_vdb_grids_destroy(iso_vdb_grids *grids)

@@ -25,14 +25,13 @@ static void load(void)
     loaded = &iso_openvdb_functions;
     if (loaded)
         return;
-    char *path = iso_helper_find(file_name);
+    FREED char *path = iso_helper_find(file_name);
     void *library = path ? dlopen(path, RTLD_NOW | RTLD_LOCAL) : NULL;
     loaded = library ? dlsym(library, ISO_OPENVDB_SYMBOL) : NULL;
     if (!loaded) {
         const char *reason = path ? dlerror() : NULL;
         strncpy(why, reason ? reason : missing, sizeof why - 1);
     }
-    free(path);
 }
 
 const iso_openvdb *iso_vdb_library(const char *path, iso_error *err)

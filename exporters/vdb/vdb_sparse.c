@@ -316,8 +316,8 @@ static bool mark_chunk(const marker *m, size_t begin, size_t end, size_t counts[
     planes p;
     if (!planes_create(&p, m->activity->size))
         return false;
-    float *floats = p.row[0];
-    uint8_t *bytes = p.seen[0];
+    FREED float *floats = p.row[0];
+    FREED uint8_t *bytes = p.seen[0];
     if (begin > 0)
         next_layer(m, &p, begin - 1, p.seen[1]);
     for (size_t z = begin; z < end; ++z) {
@@ -330,8 +330,6 @@ static bool mark_chunk(const marker *m, size_t begin, size_t end, size_t counts[
             following_layer(m, &p, z, p.seen[1]);
         mark_plane(m, &p, z, counts);
     }
-    free(floats);
-    free(bytes);
     return true;
 }
 
@@ -370,14 +368,10 @@ static bool mark_all(const marker *m, int threads)
 iso_status iso_vdb_activity_create(iso_vdb_activity *a, const iso_level *level, const iso_volume *volume,
                                    const iso_vdb_shown *shown, size_t pad, int threads, iso_error *err)
 {
-    shown_test test;
+    OWNED(shown_test) test = {0};
     *a = (iso_vdb_activity){0};
-    iso_status status = shown_test_create(&test, shown, err);
-    TRY(status, find_background(&test, level, volume, shown, &a->background, err));
-    if (status != ISO_OK) {
-        shown_test_destroy(&test);
-        return status;
-    }
+    NEED(shown_test_create(&test, shown, err));
+    NEED(find_background(&test, level, volume, shown, &a->background, err));
     /* At least one voxel of rim is marked, to include cells that reach beyond the volume's edge. */
     const size_t rim = pad > 0 ? pad : 1;
     a->skip = rim - pad;
@@ -390,12 +384,11 @@ iso_status iso_vdb_activity_create(iso_vdb_activity *a, const iso_level *level, 
     const marker m = {a, level, volume, &test, rim};
     if (!a->kept || !a->lit || !mark_all(&m, threads)) {
         iso_vdb_activity_destroy(a);
-        status = iso_fail(err, ISO_E_MEMORY, "sparse grids: no memory for %zu bytes of marks", 2 * bytes);
+        return iso_fail(err, ISO_E_MEMORY, "sparse grids: no memory for %zu bytes of marks", 2 * bytes);
     } else {
         keep_corners(a);
     }
-    shown_test_destroy(&test);
-    return status;
+    return ISO_OK;
 }
 
 void iso_vdb_activity_destroy(iso_vdb_activity *a)

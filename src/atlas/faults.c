@@ -49,10 +49,9 @@ iso_status iso_atlas_folded_codes(const iso_atlas_scene *scene, iso_pyramid *p, 
 {
     (void)scene;
     iso_level *l = &p->levels[level];
-    iso_status status = iso_code_from_name("oct24", &p->options.code, err);
-    if (status == ISO_OK)
-        iso_code_encode(p->options.code, l->directions, l->codes, iso_geometry_voxel_count(&l->geometry));
-    return status;
+    NEED(iso_code_from_name("oct24", &p->options.code, err));
+    iso_code_encode(p->options.code, l->directions, l->codes, iso_geometry_voxel_count(&l->geometry));
+    return ISO_OK;
 }
 
 /* ---- two angles ---- */
@@ -210,20 +209,16 @@ iso_status iso_atlas_cut_bricks(const iso_volume *v, iso_atlas_which which, iso_
                                 iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid p = {0};
-    iso_node_levels nodes = {0};
+    OWNED(iso_pyramid) p = {0};
+    OWNED(iso_node_levels) nodes = {0};
     uint8_t levels[64] = {0};
     build.level_count = 1;
-    iso_status status = iso_pyramid_build(v, "atlas", &build, &p, NULL, err);
-    TRY(status, iso_node_levels_create(&nodes, &p.levels[0], 8, 2, false, 0, err));
-    for (size_t b = 0; status == ISO_OK && which != ISO_ATLAS_RIGHT && b < iso_brick_count(&nodes) && b < sizeof levels;
-         ++b)
+    NEED(iso_pyramid_build(v, "atlas", &build, &p, NULL, err));
+    NEED(iso_node_levels_create(&nodes, &p.levels[0], 8, 2, false, 0, err));
+    for (size_t b = 0; which != ISO_ATLAS_RIGHT && b < iso_brick_count(&nodes) && b < sizeof levels; ++b)
         levels[b] = b % nodes.count[0] > 0; /* the first column of bricks is fine */
     const iso_brick_field f = {.nodes = &nodes,
                                .levels = levels,
                                .faces = which == ISO_ATLAS_FAILURE ? ISO_FACES_OWN : ISO_FACES_BAKED};
-    TRY(status, show_cut(&f, image, value, err));
-    iso_node_levels_destroy(&nodes);
-    iso_pyramid_destroy(&p);
-    return status;
+    return show_cut(&f, image, value, err);
 }

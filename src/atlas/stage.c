@@ -199,12 +199,10 @@ static iso_status take_options(const iso_atlas_way *way, taken_options *o, iso_e
 static iso_status draw(const iso_atlas_scene *scene, const iso_pyramid *p, const taken_options *o, iso_image *image,
                        iso_error *err)
 {
-    iso_view view;
-    iso_status status = make_view(scene, &p->levels[0].geometry, &view, err);
-    TRY(status, iso_cli_adapt_view(&o->adapted, "", p, o->level, &view, 0, err));
-    TRY(status, iso_reference_render(&p->levels[o->level], p->options.code, &view, &o->render, image, NULL, err));
-    iso_view_destroy(&view);
-    return status;
+    OWNED(iso_view) view = {0};
+    NEED(make_view(scene, &p->levels[0].geometry, &view, err));
+    NEED(iso_cli_adapt_view(&o->adapted, "", p, o->level, &view, 0, err));
+    return iso_reference_render(&p->levels[o->level], p->options.code, &view, &o->render, image, NULL, err);
 }
 
 iso_status iso_atlas_show(const iso_atlas_case *c, iso_atlas_which which, const iso_volume *v, iso_image *image,

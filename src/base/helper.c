@@ -12,17 +12,16 @@
 static char *find_near(const char *file, const char *name)
 {
     static const char *const places[] = {".", ISO_LIBDIR, "isoshade", ".."};
-    char *dir = iso_path_dir(file), *found = NULL;
+    char *found = NULL;
+    FREED char *dir = iso_path_dir(file);
     for (size_t i = 0; dir && i < sizeof places / sizeof *places && !found; ++i) {
-        char *folder = iso_path_join(dir, places[i]);
+        FREED char *folder = iso_path_join(dir, places[i]);
         found = folder ? iso_path_join(folder, name) : NULL;
-        free(folder);
         if (found && access(found, R_OK) != 0) {
             free(found);
             found = NULL;
         }
     }
-    free(dir);
     return found;
 }
 

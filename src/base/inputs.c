@@ -98,14 +98,12 @@ static const folder *noted_folder(const char *path)
 /* Returns the noted folder that holds a path, however deep; NULL: none. The caller holds the lock. */
 static const folder *folder_of(const char *path)
 {
-    char *parent = folders ? iso_path_dir(path) : NULL, *whole = parent ? realpath(parent, NULL) : NULL;
+    FREED char *parent = folders ? iso_path_dir(path) : NULL, *whole = parent ? realpath(parent, NULL) : NULL;
     const folder *found = whole ? noted_folder(whole) : NULL;
     for (char *end; whole && !found && (end = strrchr(whole, '/')) > whole;) {
         *end = 0;
         found = noted_folder(whole);
     }
-    free(whole);
-    free(parent);
     return found;
 }
 

@@ -30,13 +30,11 @@ iso_status iso_json_parse(const char *path, const char *text, size_t size, json_
 
 iso_status iso_json_load(const char *path, json_t **root, iso_error *err)
 {
-    char *text;
+    FREED char *text = NULL;
     size_t size;
     *root = NULL;
     NEED(iso_file_read(path, &text, &size, err));
-    iso_status status = iso_json_parse(path, text, size, root, err);
-    free(text);
-    return status;
+    return iso_json_parse(path, text, size, root, err);
 }
 
 /* True if a number reads back as the value. Computed values are off by some last places: 6.5 stands for
@@ -108,14 +106,12 @@ char *iso_json_text(const json_t *root, size_t flags)
 
 iso_status iso_json_save(const char *path, const json_t *root, iso_error *err)
 {
-    char *text = iso_json_text(root, JSON_INDENT(2));
+    FREED char *text = iso_json_text(root, JSON_INDENT(2));
     if (!text)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for its JSON text", path);
     size_t size = strlen(text);
     text[size] = '\n'; /* the file ends with a newline; the terminating 0 is not written */
-    iso_status status = iso_file_write(path, text, size + 1, err);
-    free(text);
-    return status;
+    return iso_file_write(path, text, size + 1, err);
 }
 
 static void fail(iso_json_reader *r, const char *key, const char *what)

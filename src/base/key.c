@@ -178,16 +178,15 @@ static int by_path(const void *a, const void *b)
  * whole files. */
 static iso_status hash_entries(XXH3_state_t *state, size_t name_at, size_t *whole_left, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < found.count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < found.count; ++i) {
         const entry *e = &found.all[i];
         XXH3_64bits_update(state, e->path + name_at, strlen(e->path + name_at) + 1);
         if ((size_t)e->st.st_size <= *whole_left)
-            status = hash_file(state, e->path, whole_left, err);
+            NEED(hash_file(state, e->path, whole_left, err));
         else
             hash_marks(state, &e->st);
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status hash_folder(XXH3_state_t *state, const char *path, size_t *whole_left, iso_error *err)
@@ -251,10 +250,9 @@ static void hash_program(void)
     size_t all = SIZE_MAX;
     program.status = hash_path("/proc/self/exe", &all, &hashes[0], &program.why);
     for (size_t i = 0; i < COUNT && program.status == ISO_OK; ++i) {
-        char *path = iso_helper_find(names[i]);
+        FREED char *path = iso_helper_find(names[i]);
         if (path)
             program.status = hash_path(path, &all, &hashes[1 + i], &program.why);
-        free(path);
     }
     program.hash = XXH3_64bits(hashes, sizeof hashes);
 }
@@ -316,7 +314,7 @@ static char *find_dependency(const char *name)
 iso_status iso_key_add_dependency(iso_key *key, const char *name, iso_error *err)
 {
     struct stat st;
-    char *path = find_dependency(name);
+    FREED char *path = find_dependency(name);
     uint64_t hash = 0;
     iso_status status = ISO_OK;
     if (path && stat(path, &st) == 0 && S_ISREG(st.st_mode)) {
@@ -324,7 +322,6 @@ iso_status iso_key_add_dependency(iso_key *key, const char *name, iso_error *err
         status = hash_path(path, &whole, &hash, err);
     }
     put_hash(key, name, hash);
-    free(path);
     return status;
 }
 
@@ -337,12 +334,11 @@ json_t *iso_key_to_json(const iso_key *key)
 
 bool iso_key_digest(const iso_key *key, char digest[ISO_KEY_DIGEST_BYTES])
 {
-    char *text = key->has_failed ? NULL : json_dumps(key->parts, JSON_COMPACT | JSON_SORT_KEYS);
+    FREED char *text = key->has_failed ? NULL : json_dumps(key->parts, JSON_COMPACT | JSON_SORT_KEYS);
     if (!text)
         return false;
     const XXH128_hash_t hash = XXH3_128bits(text, strlen(text));
     snprintf(digest, ISO_KEY_DIGEST_BYTES, "%016" PRIx64 "%016" PRIx64, (uint64_t)hash.high64, (uint64_t)hash.low64);
-    free(text);
     return true;
 }
 

@@ -43,11 +43,10 @@ static iso_status line_of(const entry *e, bool is_hashed, char **line, iso_error
     if (!is_folder && !S_ISREG(e->st.st_mode))
         return ISO_OK;
     if (!is_folder && is_hashed) {
-        char *data;
+        FREED char *data = NULL;
         size_t size;
         NEED(iso_file_read(e->path, &data, &size, err));
         snprintf(sum, sizeof sum, "%016" PRIx64, (uint64_t)XXH3_64bits(data, size));
-        free(data);
     }
     if (asprintf(line, "%c %zu %s %s\n", is_folder ? 'd' : 'f', bytes, sum, e->name) >= 0)
         return ISO_OK;
@@ -87,24 +86,22 @@ static iso_status walk_entry(const char *folder, const char *name, visitor *visi
 static iso_status walk_below(const char *folder, const char *below, visitor *visit, void *user, iso_error *err)
 {
     struct dirent **entries = NULL;
-    char *path = iso_path_join(folder, below);
+    FREED char *path = iso_path_join(folder, below);
     const int count = path ? scandir(path, &entries, is_no_dot, by_name) : 0;
     iso_status status = !path ? iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder)
                         : count < 0
                             ? iso_fail(err, iso_errno_status(), "%s: cannot be listed: %s", path, strerror(errno))
                             : ISO_OK;
     for (int i = 0; i < count; ++i) {
-        char *name = NULL;
+        FREED char *name = NULL;
         if (status == ISO_OK && (*below || strcmp(entries[i]->d_name, ISO_MANIFEST_NAME) != 0)) {
             name = *below ? iso_path_join(below, entries[i]->d_name) : strdup(entries[i]->d_name);
             status = name ? walk_entry(folder, name, visit, user, err)
                           : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
         }
-        free(name);
         free(entries[i]);
     }
     free(entries);
-    free(path);
     return status;
 }
 
@@ -116,41 +113,32 @@ typedef struct listing {
 static iso_status list_entry(void *user, const entry *e, iso_error *err)
 {
     const listing *l = user;
-    char *line;
+    FREED char *line = NULL;
     if (l->own && !iso_output_is_own(l->own, e->name))
         return ISO_OK;
     if (strchr(e->name, '\n'))
         return iso_fail(err, ISO_E_IO, "%s: a line feed in a name", e->name);
-    const iso_status status = line_of(e, !is_large(e), &line, err);
-    if (status == ISO_OK && !line)
+    NEED(line_of(e, !is_large(e), &line, err));
+    if (!line)
         return iso_fail(err, ISO_E_IO, "%s: is neither a file nor a folder", e->name);
-    if (status == ISO_OK)
-        fputs(line, l->lines);
-    free(line);
-    return status;
+    fputs(line, l->lines);
+    return ISO_OK;
 }
 
 iso_status iso_manifest_write(const char *folder, const char *const *own, iso_error *err)
 {
-    char *text = NULL, *path = iso_path_join(folder, ISO_MANIFEST_NAME);
+    FREED char *text = NULL, *path = iso_path_join(folder, ISO_MANIFEST_NAME);
     size_t bytes = 0;
     FILE *memory = path ? open_memstream(&text, &bytes) : NULL;
-    iso_status status = memory ? ISO_OK
-                               : iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
-    if (status == ISO_OK)
-        status = walk_below(folder, "", list_entry, &(listing){memory, own}, err);
-    if (iso_memory_close(memory) != 0 && status == ISO_OK)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
-    if (status == ISO_OK) {
-        FILE *file = fopen(path, "we");
-        bool good = file && fwrite(text, 1, bytes, file) == bytes;
-        good = file && fclose(file) == 0 && good;
-        if (!good)
-            status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
-    }
-    free(text);
-    free(path);
-    return status;
+    if (!memory)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
+    NEED(walk_below(folder, "", list_entry, &(listing){memory, own}, err));
+    if (iso_memory_close(memory) != 0)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
+    FILE *file = fopen(path, "we");
+    bool good = file && fwrite(text, 1, bytes, file) == bytes;
+    good = file && fclose(file) == 0 && good;
+    return !good ? iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno)) : ISO_OK;
 }
 
 /* Adds a line by one write at the end of the file, so that no other process's line is lost. A line that does not fit
@@ -158,7 +146,7 @@ iso_status iso_manifest_write(const char *folder, const char *const *own, iso_er
  * checksum. */
 bool iso_manifest_add(const char *folder, const char *name)
 {
-    char *path = iso_path_join(folder, name), *list = iso_path_join(folder, ISO_MANIFEST_NAME), *line = NULL;
+    FREED char *path = iso_path_join(folder, name), *list = iso_path_join(folder, ISO_MANIFEST_NAME), *line = NULL;
     entry e = {.path = path, .name = name};
     if (path && list && stat(path, &e.st) == 0)
         line_of(&e, true, &line, NULL);
@@ -175,21 +163,16 @@ bool iso_manifest_add(const char *folder, const char *name)
             futimens(fd, (const struct timespec[]){{.tv_nsec = UTIME_OMIT}, before.st_mtim});
         close(fd);
     }
-    free(line);
-    free(list);
-    free(path);
     return good;
 }
 
 iso_status iso_manifest_add_output(const char *folder, const char *path, iso_error *err)
 {
-    char *whole_folder = realpath(folder, NULL), *whole_path = realpath(path, NULL);
+    FREED char *whole_folder = realpath(folder, NULL), *whole_path = realpath(path, NULL);
     const size_t length = whole_folder ? strlen(whole_folder) : 0;
     const bool is_in = whole_folder && whole_path && strncmp(whole_path, whole_folder, length) == 0 &&
                        whole_path[length] == '/';
     const bool good = !is_in || iso_manifest_add(folder, whole_path + length + 1);
-    free(whole_folder);
-    free(whole_path);
     return good ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be added to %s/" ISO_MANIFEST_NAME, path, folder);
 }
 
@@ -225,10 +208,9 @@ static bool is_after(struct timespec a, struct timespec b)
 
 static iso_status has_entry(const listed *list, const entry *e, bool is_hashed, bool *found, iso_error *err)
 {
-    char *line;
+    FREED char *line = NULL;
     const iso_status status = line_of(e, is_hashed, &line, err);
     *found = line && has_line(list->text, line);
-    free(line);
     return status;
 }
 
@@ -267,24 +249,20 @@ static iso_status check_entry(void *user, const entry *e, iso_error *err)
 
 iso_status iso_manifest_check(const char *folder, const char *shown, iso_error *err)
 {
-    char *path = iso_path_join(folder, ISO_MANIFEST_NAME), *data = NULL, *text = NULL;
+    FREED char *path = iso_path_join(folder, ISO_MANIFEST_NAME), *data = NULL, *text = NULL;
     size_t bytes;
     struct stat st = {0};
-    iso_status status = path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", shown);
-    if (status == ISO_OK && stat(path, &st) != 0 && errno == ENOENT)
-        status = iso_fail(err, ISO_E_IO,
-                          "%s: has no list of isoshade's files (" ISO_MANIFEST_NAME
-                          "), so it is not replaced; remove it, or choose another output",
-                          shown);
-    TRY(status, iso_file_read(path, &data, &bytes, err));
-    if (status == ISO_OK && asprintf(&text, "\n%s", data) < 0) {
+    if (!path)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", shown);
+    if (stat(path, &st) != 0 && errno == ENOENT)
+        return iso_fail(err, ISO_E_IO,
+                        "%s: has no list of isoshade's files (" ISO_MANIFEST_NAME
+                        "), so it is not replaced; remove it, or choose another output",
+                        shown);
+    NEED(iso_file_read(path, &data, &bytes, err));
+    if (asprintf(&text, "\n%s", data) < 0) {
         text = NULL;
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", shown);
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", shown);
     }
-    if (status == ISO_OK)
-        status = walk_below(folder, "", check_entry, &(listed){shown, text, st.st_mtim}, err);
-    free(text);
-    free(data);
-    free(path);
-    return status;
+    return walk_below(folder, "", check_entry, &(listed){shown, text, st.st_mtim}, err);
 }

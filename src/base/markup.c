@@ -29,8 +29,7 @@ void iso_markup_put(FILE *f, const char *text)
 
 void iso_markup_put_json(FILE *f, const json_t *value)
 {
-    char *s = iso_json_text(value, JSON_COMPACT);
+    FREED char *s = iso_json_text(value, JSON_COMPACT);
     for (const char *c = s; c && *c; ++c)
         *c == '<' ? fputs("\\u003c", f) : fputc(*c, f);
-    free(s);
 }

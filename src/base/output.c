@@ -52,7 +52,7 @@ static iso_status reserve(iso_output *out, const char *path, iso_error *err)
     *out = (iso_output){0};
     if (path[0] == 0)
         return iso_fail(err, ISO_E_USAGE, "the output path is empty");
-    char *dir = NULL;
+    FREED char *dir = NULL;
     iso_status status = find_target(path, &out->final_path, err);
     TRY(status, iso_inputs_check(out->final_path, err));
     if (status == ISO_OK && !(dir = iso_path_dir(out->final_path)))
@@ -69,7 +69,6 @@ static iso_status reserve(iso_output *out, const char *path, iso_error *err)
         else
             status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     }
-    free(dir);
     if (status != ISO_OK) {
         free(out->final_path);
         *out = (iso_output){0};
@@ -296,7 +295,7 @@ static int exchange(const char *from, const char *to)
 {
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_EXCHANGE) == 0)
         return 0;
-    char *aside = NULL;
+    FREED char *aside = NULL;
     if (asprintf(&aside, "%s.before", to) < 0)
         return -1;
     int result = rename(to, aside);
@@ -308,7 +307,6 @@ static int exchange(const char *from, const char *to)
             iso_remove_tree(aside);
         errno = cause;
     }
-    free(aside);
     return result;
 }
 
@@ -334,10 +332,9 @@ static int flush_entry(const char *path, const struct stat *st, int type, struct
 
 static void flush_folder_of(const char *path)
 {
-    char *dir = iso_path_dir(path);
+    FREED char *dir = iso_path_dir(path);
     if (dir)
         flush_to_disk(dir);
-    free(dir);
 }
 
 /* Forgets the temporary once it has its final name. The partial name is then free for other runs, so we no longer clean
@@ -353,9 +350,8 @@ static void forget_temporary(iso_output *out)
  * partial name, and may take it as soon as that folder is gone. */
 static void move_replaced_aside(iso_output *out)
 {
-    char *dir = iso_path_dir(out->final_path),
-         *aside = dir ? iso_temporary_path(dir, iso_path_base(out->final_path)) : NULL;
-    free(dir);
+    FREED char *dir = iso_path_dir(out->final_path);
+    char *aside = dir ? iso_temporary_path(dir, iso_path_base(out->final_path)) : NULL;
     const bool is_moved = aside && rename(out->temp_path, aside) == 0;
     forget_temporary(out); /* if it is not moved, the next run clears it */
     if (is_moved) {
@@ -457,15 +453,13 @@ iso_status iso_output_commit_locked(iso_output *out, int *lock, iso_error *err)
 
 iso_status iso_output_commit_all(iso_output *outs, size_t count, iso_error *err)
 {
-    char *folder = iso_path_dir(outs[count - 1].final_path), *real = folder ? realpath(folder, NULL) : NULL;
+    FREED char *folder = iso_path_dir(outs[count - 1].final_path), *real = folder ? realpath(folder, NULL) : NULL;
     iso_status status = ISO_OK;
     /* If somebody else works in the folder for long, the set goes without a lock: its work is not thrown away. */
     const iso_folder_lock lock = real ? iso_folder_lock_take(real, false) : (iso_folder_lock){.fd = -1};
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = iso_output_commit(&outs[i], err);
     unlock(&lock);
-    free(real);
-    free(folder);
     return status;
 }
 

@@ -353,7 +353,7 @@ iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder,
 {
     iso_status status = ISO_OK;
     *box = (iso_sandbox){.rules = -1, .closes = wish->kind != ISO_SANDBOX_NONE && iso_sandbox_is_on()};
-    char *whole = box->closes && folder ? realpath(folder, NULL) : NULL;
+    FREED char *whole = box->closes && folder ? realpath(folder, NULL) : NULL;
     if (box->closes && folder && !whole)
         return iso_fail(err, iso_errno_status(), "%s: cannot be a program's folder: %s", folder, strerror(errno));
     if (box->closes) {
@@ -361,7 +361,6 @@ iso_status iso_sandbox_prepare(const iso_sandbox_wish *wish, const char *folder,
         box->rules = make_rules(wish, whole, &status, err);
     }
     TRY(status, set_environment(wish, whole, box, err));
-    free(whole);
     if (status != ISO_OK)
         iso_sandbox_release(box);
     return status;

@@ -17,11 +17,10 @@ static const char mark[] = "as isoshade wrote it: xxh64 ";
 
 iso_status iso_stamp_append(const char *path, const char *comment, iso_error *err)
 {
-    char *data = NULL;
+    FREED char *data = NULL;
     size_t size = 0;
     NEED(iso_file_read(path, &data, &size, err));
     const uint64_t sum = XXH64(data, size, 0);
-    free(data);
     FILE *f = fopen(path, "ab");
     const bool written = f && fprintf(f, "\n%s%s%016" PRIx64 "\n", comment, mark, sum) > 0;
     if (f && fclose(f) == 0 && written)
@@ -32,7 +31,7 @@ iso_status iso_stamp_append(const char *path, const char *comment, iso_error *er
 bool iso_stamp_fits(const char *path)
 {
     const size_t tail = strlen(mark) + 16 + 1; /* mark, checksum, end of line */
-    char *data = NULL;
+    FREED char *data = NULL;
     size_t size = 0;
     uint64_t sum = 0;
     bool fits = iso_file_read(path, &data, &size, NULL) == ISO_OK && size > tail &&
@@ -40,7 +39,6 @@ bool iso_stamp_fits(const char *path)
                 sscanf(data + size - 17, "%16" SCNx64, &sum) == 1;
     const char *line = fits ? memrchr(data, '\n', size - tail) : NULL;
     fits = line && sum == XXH64(data, (size_t)(line - data), 0);
-    free(data);
     return fits;
 }
 

@@ -6,6 +6,7 @@
  * The library never prints and never exits. */
 #pragma once
 
+#include "base/owned.h"
 #include "isoshade.h"
 
 /* Leaves the message in err (when not NULL) and returns status:
@@ -26,7 +27,7 @@ iso_status iso_fail_in(iso_error *err, iso_status status, const char *format, ..
             (status) = (call);  \
     } while (0)
 
-/* Returns from the function with the status of call, if it fails: for functions that have nothing to release yet. */
+/* Returns from the function with the status of call, if it fails. Variables of owned.h are released. */
 #define NEED(call)                              \
     do {                                        \
         const iso_status need_status_ = (call); \

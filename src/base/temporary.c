@@ -179,11 +179,10 @@ static void sweep_entry(const char *dir, const char *name)
     if (strncmp(mark, identity.host, host) != 0 || sscanf(mark + host, "%ld-%llx-", &pid, &start) != 2 || pid <= 0 ||
         !is_dead(pid, start))
         return;
-    char *path = iso_path_join(dir, name);
+    FREED char *path = iso_path_join(dir, name);
     struct stat st;
     if (path && lstat(path, &st) == 0 && st.st_uid == geteuid())
         iso_remove_tree(path);
-    free(path);
 }
 
 /* True if the folder was swept. Folders beyond the list's capacity are swept again: slower, never wrong. */

@@ -124,7 +124,7 @@ static void note_cause(char **causes, size_t headline, const iso_error *why)
 /* Measures a headline. On failure it has no figure but a cause, and the others go on. */
 static void measure(all_bench *b, size_t headline, int repeat, int which)
 {
-    json_t *answer = NULL;
+    json_auto_t *answer = NULL;
     iso_error why = {0};
     const iso_status status = run_json_command(b, b->programs[which], command_of(b, headline), &answer, &why);
     for (size_t i = headline; i < iso_headline_count; ++i) {
@@ -136,7 +136,6 @@ static void measure(all_bench *b, size_t headline, int repeat, int which)
             note_cause(b->causes[which], i, &why);
         }
     }
-    json_decref(answer);
 }
 
 /* Alternates which program runs first in each round, so that other load affects both. */
@@ -258,23 +257,21 @@ static iso_status report(const all_bench *b, const char *output, const char *pag
 {
     char session[64];
     snprintf(session, sizeof session, "%ld-%.6f", (long)getpid(), iso_clock_seconds());
-    json_t *ours = to_json(b, OURS, session);
-    iso_status status = output ? iso_json_save(output, ours, err) : ISO_OK;
-    if (status == ISO_OK && page)
-        status = iso_bench_all_page_write(page, ours, err);
-    if (status == ISO_OK && beside_output) {
-        json_t *other = to_json(b, OTHER, session);
-        status = iso_json_save(beside_output, other, err);
-        json_decref(other);
+    json_auto_t *ours = to_json(b, OURS, session);
+    if (output)
+        NEED(iso_json_save(output, ours, err));
+    if (page)
+        NEED(iso_bench_all_page_write(page, ours, err));
+    if (beside_output) {
+        json_auto_t *other = to_json(b, OTHER, session);
+        NEED(iso_json_save(beside_output, other, err));
     }
-    if (status == ISO_OK && b->cli->json) {
-        iso_cli_print_json(ours);
+    if (b->cli->json) {
+        iso_cli_print_json(json_incref(ours));
         return ISO_OK;
     }
-    if (status == ISO_OK)
-        print_all(b, ours);
-    json_decref(ours);
-    return status;
+    print_all(b, ours);
+    return ISO_OK;
 }
 
 /* ---- the command ---- */
@@ -283,10 +280,8 @@ static iso_status make_volume(const all_bench *b, iso_error *err)
 {
     static const char *const commands[2] = {"make shells --size 512 --type uint8 -o volume.nrrd",
                                             "make shells --size 48 --type uint8 -o volume.nrrd"};
-    json_t *answer = NULL;
-    const iso_status status = run_json_command(b, b->programs[OURS], commands[b->quick ? 1 : 0], &answer, err);
-    json_decref(answer);
-    return status;
+    json_auto_t *answer = NULL;
+    return run_json_command(b, b->programs[OURS], commands[b->quick ? 1 : 0], &answer, err);
 }
 
 static iso_status run_all(all_bench *b, const char *output, const char *page, const char *beside_output, iso_error *err)
@@ -367,7 +362,8 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     all_options *o = values;
     all_bench *b = &o->bench;
-    char *other = NULL, *folder = NULL, own[4096];
+    char own[4096];
+    FREED char *other = NULL, *folder = NULL;
     const char *beside_output = NULL;
     iso_status status = ISO_OK;
     b->cli = cli;
@@ -389,8 +385,6 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
     if (folder)
         iso_remove_tree(folder);
     free(b->only);
-    free(other);
-    free(folder);
     return status;
 }
 

@@ -28,7 +28,7 @@ static json_t *sentence_of(const json_t *answer)
 
 iso_status iso_bench_all_page_write(const char *path, const json_t *answer, iso_error *err)
 {
-    json_t *data = json_copy((json_t *)answer), *nothing = json_object();
+    json_auto_t *data = json_copy((json_t *)answer), *nothing = json_object();
     iso_status status = ISO_E_MEMORY;
     if (data && nothing) {
         json_object_set_new(data, "title", json_string("Speed and memory"));
@@ -37,7 +37,5 @@ iso_status iso_bench_all_page_write(const char *path, const json_t *answer, iso_
     } else {
         iso_fail(err, status, "%s: out of memory", path);
     }
-    json_decref(data);
-    json_decref(nothing);
     return status;
 }

@@ -71,8 +71,7 @@ static double copy_seconds(char *to, const char *from, size_t bytes, int threads
 /* Measures a memcpy of `bytes` between buffers touched before. */
 static iso_status time_memcpy(size_t bytes, size_t runs, int threads, double *seconds, iso_error *err)
 {
-    char *from = malloc(bytes), *to = malloc(bytes);
-    iso_status status = ISO_OK;
+    FREED char *from = malloc(bytes), *to = malloc(bytes);
     *seconds = INFINITY;
     if (from && to) {
         memset(from, 1, bytes);
@@ -80,11 +79,9 @@ static iso_status time_memcpy(size_t bytes, size_t runs, int threads, double *se
         for (size_t i = 0; i < runs; ++i)
             *seconds = fmin(*seconds, copy_seconds(to, from, bytes, threads));
     } else {
-        status = iso_fail(err, ISO_E_MEMORY, "no memory to copy %zu bytes", bytes);
+        return iso_fail(err, ISO_E_MEMORY, "no memory to copy %zu bytes", bytes);
     }
-    free(from);
-    free(to);
-    return status;
+    return ISO_OK;
 }
 
 typedef struct build_buffers {
@@ -142,11 +139,10 @@ static iso_status time_cascade(const iso_volume *v, const iso_pyramid_options *o
                                size_t runs, double *seconds, iso_error *err)
 {
     double processor = INFINITY;
-    iso_status status = ISO_OK;
     *seconds = INFINITY;
-    for (size_t i = 0; i < runs && status == ISO_OK; ++i)
-        status = run_cascade(v, opt, out, seconds, &processor, err);
-    return status;
+    for (size_t i = 0; i < runs; ++i)
+        NEED(run_cascade(v, opt, out, seconds, &processor, err));
+    return ISO_OK;
 }
 
 /* Measures both builds in turn (default and mean scalars), so that other load affects both. */
@@ -311,7 +307,7 @@ static void report(const iso_cli *cli, const build_bench *b, const build_times *
 
 static iso_status bench(const iso_cli *cli, build_bench *b, iso_error *err)
 {
-    iso_volume v;
+    OWNED(iso_volume) v = {0};
     build_times t = {0};
     b->threads = b->opt.threads = cli->threads;
     NEED(fill(b, &v, err));
@@ -324,7 +320,6 @@ static iso_status bench(const iso_cli *cli, build_bench *b, iso_error *err)
         status = iso_bench_files(&v, &b->opt, b->files, memory, b->runs, &t.files, err);
     if (status == ISO_OK)
         report(cli, b, &t);
-    iso_volume_destroy(&v);
     return status;
 }
 

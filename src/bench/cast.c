@@ -93,16 +93,14 @@ static iso_status draw_cpu(const cast_options *opt, int threads, const iso_pyram
 static iso_status run_round(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const cast_options *opt, cast_case *c,
                             int round, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (int turn = 0; turn < WHO_COUNT && status == ISO_OK; ++turn) {
+    for (int turn = 0; turn < WHO_COUNT; ++turn) {
         iso_image image;
         const int who = (turn + round) % WHO_COUNT;
-        status = who == WHO_GL ? draw_gl(gl, p, c, &c->view, &image, &c->round[who][round], err)
-                               : draw_cpu(opt, cli->threads, p, c, &c->view, &image, &c->round[who][round], err);
-        if (status == ISO_OK)
-            iso_image_destroy(&image);
+        NEED(who == WHO_GL ? draw_gl(gl, p, c, &c->view, &image, &c->round[who][round], err)
+                           : draw_cpu(opt, cli->threads, p, c, &c->view, &image, &c->round[who][round], err));
+        iso_image_destroy(&image);
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Measures the RMSE of both to the reference with the same samples, in a smaller picture. */
@@ -115,22 +113,19 @@ static iso_status measure_errors(const iso_cli *cli, iso_gl *gl, const iso_pyram
     o.quadrature = ISO_QUADRATURE_MIDPOINT;
     o.source = source_of(c);
     o.threads = cli->threads;
-    iso_image truth;
-    iso_status status = iso_reference_render(&p->levels[0], p->options.code, &view, &o, &truth, NULL, err);
-    for (int who = 0; who < WHO_COUNT && status == ISO_OK; ++who) {
+    OWNED(iso_image) truth = {0};
+    NEED(iso_reference_render(&p->levels[0], p->options.code, &view, &o, &truth, NULL, err));
+    for (int who = 0; who < WHO_COUNT; ++who) {
         iso_image image;
         iso_metrics m;
         cast_time time;
-        status = who == WHO_GL ? draw_gl(gl, p, c, &view, &image, &time, err)
-                               : draw_cpu(opt, cli->threads, p, c, &view, &image, &time, err);
-        TRY(status, iso_metrics_measure(&truth, &image, &m, err));
-        if (status == ISO_OK) {
-            c->rmse[who] = m.rmse;
-            iso_image_destroy(&image);
-        }
+        NEED(who == WHO_GL ? draw_gl(gl, p, c, &view, &image, &time, err)
+                           : draw_cpu(opt, cli->threads, p, c, &view, &image, &time, err));
+        NEED(iso_metrics_measure(&truth, &image, &m, err));
+        c->rmse[who] = m.rmse;
+        iso_image_destroy(&image);
     }
-    iso_image_destroy(&truth);
-    return status;
+    return ISO_OK;
 }
 
 /* Returns the median over the rounds of OpenGL's time divided by the CPU ray caster's. */

@@ -258,13 +258,10 @@ static const iso_option options[] = {
 static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     const compare_options *o = values;
-    json_t *a = NULL, *b = NULL;
-    iso_status status = load_answer(cli->arguments[0], &a, err);
-    TRY(status, load_answer(cli->arguments[1], &b, err));
-    TRY(status, compare_answers(cli, a, b, o->slack, err));
-    json_decref(a);
-    json_decref(b);
-    return status;
+    json_auto_t *a = NULL, *b = NULL;
+    NEED(load_answer(cli->arguments[0], &a, err));
+    NEED(load_answer(cli->arguments[1], &b, err));
+    return compare_answers(cli, a, b, o->slack, err);
 }
 
 const iso_command iso_bench_compare = {

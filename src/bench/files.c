@@ -26,25 +26,21 @@ static iso_status open_path(void *user, iso_volume_source **source, iso_error *e
 
 static iso_status read_all(const char *path, iso_error *err)
 {
-    iso_volume_source *source;
-    iso_status status = iso_source_open(path, &source, err);
-    if (status != ISO_OK)
-        return status;
+    ENDED_BY(iso_source_close_owned) iso_volume_source *source = NULL;
+    NEED(iso_source_open(path, &source, err));
     const iso_volume *v = iso_source_volume(source);
     const size_t *n = v->geometry.size;
-    char *planes = malloc(READ_PLANES * n[0] * n[1] * iso_type_bytes(v->type));
+    FREED char *planes = malloc(READ_PLANES * n[0] * n[1] * iso_type_bytes(v->type));
     if (!planes)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for %d planes", path, READ_PLANES);
-    for (size_t z = 0; z < n[2] && status == ISO_OK; z += READ_PLANES)
-        status = iso_source_read(source, z + READ_PLANES < n[2] ? READ_PLANES : n[2] - z, planes, err);
-    free(planes);
-    iso_source_close(source);
-    return status;
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %d planes", path, READ_PLANES);
+    for (size_t z = 0; z < n[2]; z += READ_PLANES)
+        NEED(iso_source_read(source, z + READ_PLANES < n[2] ? READ_PLANES : n[2] - z, planes, err));
+    return ISO_OK;
 }
 
 static iso_status write_bytes(const char *path, bool direct, size_t bytes, iso_error *err)
 {
-    char *data = malloc(ISO_BIGFILE_BYTES);
+    FREED char *data = malloc(ISO_BIGFILE_BYTES);
     iso_bigfile *file = NULL;
     iso_status status = data ? iso_bigfile_open(path, direct, 0, &file, err)
                              : iso_fail(err, ISO_E_MEMORY, "out of memory");
@@ -53,7 +49,6 @@ static iso_status write_bytes(const char *path, bool direct, size_t bytes, iso_e
     for (size_t done = 0; done < bytes && status == ISO_OK; done += ISO_BIGFILE_BYTES)
         status = iso_bigfile_write(file, data, bytes - done < ISO_BIGFILE_BYTES ? bytes - done : ISO_BIGFILE_BYTES,
                                    err);
-    free(data);
     iso_status closed = iso_bigfile_close(file, status == ISO_OK ? err : NULL);
     return status == ISO_OK ? closed : status;
 }
@@ -74,11 +69,10 @@ static size_t list_sizes(const char *dir, size_t sizes[MAX_FILES])
     size_t count = 0;
     DIR *d = opendir(dir);
     for (struct dirent *e; d && count < MAX_FILES && (e = readdir(d));) {
-        char *path = iso_path_join(dir, e->d_name);
+        FREED char *path = iso_path_join(dir, e->d_name);
         struct stat st;
         if (path && stat(path, &st) == 0 && S_ISREG(st.st_mode))
             sizes[count++] = (size_t)st.st_size;
-        free(path);
     }
     if (d)
         closedir(d);
@@ -137,7 +131,7 @@ static iso_status copy_bytes(const char *volume, const size_t *sizes, size_t cou
 static iso_status measure(const char *volume, const iso_pyramid_options *opt, const char *work, size_t memory_bytes,
                           size_t runs, bench_files_times *t, iso_error *err)
 {
-    char *pyramid = iso_path_join(work, "isoshade-bench.iso");
+    FREED char *pyramid = iso_path_join(work, "isoshade-bench.iso");
     const iso_stream_input in = {open_path, (void *)volume, volume};
     const iso_stream_options how = {.memory_bytes = memory_bytes, .save_seconds = ISO_STREAM_SAVE_SECONDS};
     iso_status status = pyramid ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
@@ -153,7 +147,6 @@ static iso_status measure(const char *volume, const iso_pyramid_options *opt, co
         iso_remove_tree(pyramid); /* frees the space before as much is written again */
         TRY(status, copy_bytes(volume, sizes, count, work, t, err));
     }
-    free(pyramid);
     return status;
 }
 

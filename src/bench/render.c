@@ -58,14 +58,12 @@ iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_rende
     options.repeats = (size_t)opt->runs + 1; /* the first one compiles */
     options.seconds = seconds;
     options.fast_filter = true;
-    iso_view view;
+    OWNED(iso_view) view = {0};
     iso_image image;
     NEED(iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &view, err));
-    iso_status status = iso_gl_render(gl, level, p->options.code, &view, &options, &image, err);
-    if (status == ISO_OK)
-        iso_image_destroy(&image);
-    iso_view_destroy(&view);
-    return status;
+    NEED(iso_gl_render(gl, level, p->options.code, &view, &options, &image, err));
+    iso_image_destroy(&image);
+    return ISO_OK;
 }
 
 /* Measures all loops in turn, run after run, so that other load affects all of them. */
@@ -133,14 +131,10 @@ iso_status iso_bench_load(const iso_cli *cli, const bench_render_options *opt, i
     iso_pyramid_options options = iso_pyramid_defaults();
     options.level_count = opt->bricks ? BENCH_LEVELS : 1;
     options.threads = cli->threads;
-    iso_volume v;
-    iso_status status = cli->argument_count ? iso_volume_input_load(cli->arguments[0], &opt->input, &v, err)
-                                            : iso_field_sample(&field, ISO_U16, &v, err);
-    if (status != ISO_OK)
-        return status;
-    status = iso_pyramid_build(&v, cli->argument_count ? cli->arguments[0] : "shells", &options, p, NULL, err);
-    iso_volume_destroy(&v);
-    return status;
+    OWNED(iso_volume) v = {0};
+    NEED(cli->argument_count ? iso_volume_input_load(cli->arguments[0], &opt->input, &v, err)
+                             : iso_field_sample(&field, ISO_U16, &v, err));
+    return iso_pyramid_build(&v, cli->argument_count ? cli->arguments[0] : "shells", &options, p, NULL, err);
 }
 
 static iso_status bench(const iso_cli *cli, const bench_render_options *opt, iso_error *err)

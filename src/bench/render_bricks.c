@@ -58,8 +58,8 @@ static iso_status draw_texture(iso_gl *gl, const iso_pyramid *p, const iso_brick
     iso_gl_brick_options options = iso_gl_brick_defaults();
     iso_brick_field f = *nodes;
     iso_gl_brick_stats stats;
-    iso_view view;
-    iso_image image = {0};
+    OWNED(iso_view) view = {0};
+    OWNED(iso_image) image = {0};
     const bench_render_options once = {.image = opt->image, .step_voxels = opt->step_voxels, .runs = 1};
     if (texture == TEXTURE_UNIFORM)
         return iso_bench_measure(gl, p, &once, what, seconds, err);
@@ -70,12 +70,9 @@ static iso_status draw_texture(iso_gl *gl, const iso_pyramid *p, const iso_brick
     options.repeats = 2;
     options.fast_filter = true;
     f.faces = texture == TEXTURE_BAKED ? ISO_FACES_BAKED : ISO_FACES_OWN;
-    iso_status status = iso_gl_render_bricks(gl, &f, &view, &options, &image, &stats, err);
-    if (status == ISO_OK)
-        *seconds = stats.seconds;
-    iso_image_destroy(&image);
-    iso_view_destroy(&view);
-    return status;
+    NEED(iso_gl_render_bricks(gl, &f, &view, &options, &image, &stats, err));
+    *seconds = stats.seconds;
+    return ISO_OK;
 }
 
 /* Measures all textures in turn, run after run, so that other load affects all of them. */
@@ -131,15 +128,13 @@ static iso_status run_brick_cases(const iso_cli *cli, iso_gl *gl, const iso_pyra
 iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,
                             iso_error *err)
 {
-    iso_node_levels n;
+    OWNED(iso_node_levels) n = {0};
     iso_status status = iso_node_levels_create(&n, &p->levels[0], (size_t)opt->bricks,
                                                opt->bricks < 8 ? 2 : BENCH_LEVELS, true, cli->threads, err);
     TRY(status, iso_node_levels_round(&n, cli->threads, err));
-    if (status != ISO_OK) {
-        iso_node_levels_destroy(&n);
+    if (status != ISO_OK)
         return status;
-    }
-    uint8_t *levels = malloc(iso_brick_count(&n));
+    FREED uint8_t *levels = malloc(iso_brick_count(&n));
     if (!levels)
         status = iso_fail(err, ISO_E_MEMORY, "no memory for %zu bricks", iso_brick_count(&n));
     if (status == ISO_OK) {
@@ -151,7 +146,5 @@ iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
         else
             json_decref(root);
     }
-    free(levels);
-    iso_node_levels_destroy(&n);
     return status;
 }

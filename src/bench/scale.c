@@ -131,11 +131,10 @@ static iso_status make_volume(const scale_bench *b, const size_t size[3], iso_er
 {
     char command[160];
     point unused;
-    char *pyramid = iso_path_join(b->folder, "volume.iso");
+    FREED char *pyramid = iso_path_join(b->folder, "volume.iso");
     if (!pyramid)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_remove_tree(pyramid);
-    free(pyramid);
     snprintf(command, sizeof command, "%s --size %zux%zux%zu --type uint8 -o volume.nrrd", b->content->make, size[0],
              size[1], size[2]);
     const iso_status status = run_command(b, command, &unused, err);
@@ -214,13 +213,11 @@ static iso_status measure_all(scale_bench *b, const iso_cli *cli, iso_error *err
         " {\"value\": 0, \"r\": 1, \"g\": 0.8, \"b\": 0.6, \"opacity\": 0},\n"
         " {\"value\": 0.4, \"r\": 1, \"g\": 0.8, \"b\": 0.6, \"opacity\": 0},\n"
         " {\"value\": 1, \"r\": 1, \"g\": 0.8, \"b\": 0.6, \"opacity\": 0.3}]}\n";
-    char *scene_path = iso_path_join(b->folder, "scale.scene.json"),
-         *tf_path = iso_path_join(b->folder, "scale.tf.json");
+    FREED char *scene_path = iso_path_join(b->folder, "scale.scene.json"),
+               *tf_path = iso_path_join(b->folder, "scale.tf.json");
     iso_status status = scene_path && tf_path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
     TRY(status, iso_file_write(scene_path, scene, sizeof scene - 1, err));
     TRY(status, iso_file_write(tf_path, tf, sizeof tf - 1, err));
-    free(scene_path);
-    free(tf_path);
     TRY(status, make_volume(b, least, err));
     for (size_t s = 0; s < STAGES && status == ISO_OK; ++s)
         if (is_requested(b, s))
@@ -297,7 +294,7 @@ static void print(const scale_bench *b)
 
 static iso_status draw(const scale_bench *b, const char *output, const char *format, iso_error *err)
 {
-    char *csv = NULL;
+    FREED char *csv = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&csv, &size);
     if (!f)
@@ -314,7 +311,6 @@ static iso_status draw(const scale_bench *b, const char *output, const char *for
     TRY(status, iso_gnuplot_draw(out.temp_path, "scale", csv, iso_scale_gp, format, err));
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
-    free(csv);
     return status;
 }
 

@@ -260,10 +260,9 @@ iso_status iso_node_levels_complete(iso_node_levels *n, int threads, iso_error *
 {
     if (n->nodes[n->level_count - 1] || n->level_count == 1)
         return ISO_OK;
-    iso_status status = allocate(n, 1, err);
-    TRY(status, fill_levels(n, iso_made_bricks_voxels(n), iso_threads(threads), err));
-    TRY(status, iso_node_levels_round(n, threads, err));
-    return status;
+    NEED(allocate(n, 1, err));
+    NEED(fill_levels(n, iso_made_bricks_voxels(n), iso_threads(threads), err));
+    return iso_node_levels_round(n, threads, err);
 }
 
 enum { ENCODE_BATCH = 256 };

@@ -304,11 +304,10 @@ static bool mark(const iso_lattice_builder *b, const cell_box *c)
 
 static iso_status put_active(iso_lattice *l, const cell_box *c, iso_error *err)
 {
-    iso_status status = ISO_OK;
     size_t at[3], i = 0;
     for (size_t z = 0; z < c->size[2]; ++z)
         for (size_t y = 0; y < c->size[1]; ++y)
-            for (size_t x = 0; x < c->size[0] && status == ISO_OK; ++x, ++i) {
+            for (size_t x = 0; x < c->size[0]; ++x, ++i) {
                 const size_t in[3] = {x, y, z};
                 float node[ISO_NODE_CHANNELS] = {c->scalars[i]};
                 if (!c->active[i])
@@ -316,9 +315,9 @@ static iso_status put_active(iso_lattice *l, const cell_box *c, iso_error *err)
                 memcpy(node + 1, c->directions + 3 * i, 3 * sizeof *node);
                 for (int a = 0; a < 3; ++a)
                     at[a] = (size_t)(c->first[a] - l->first[a]) + in[a];
-                status = iso_lattice_put(l, at, node, ISO_LATTICE_LIT, err);
+                NEED(iso_lattice_put(l, at, node, ISO_LATTICE_LIT, err));
             }
-    return status;
+    return ISO_OK;
 }
 
 /* Computes values, and directions of active nodes. False: no memory. *any: True if any cell is visible. */

@@ -202,12 +202,11 @@ static void want_around(const halo *h, const size_t at[3], const cell_block *c)
 /* Checks a block until no more nodes become active in it. */
 static iso_status settle_block(const iso_lattice_builder *b, cell_block *c, iso_error *err)
 {
-    iso_status status = ISO_OK;
     for (int a = 0; a < 3; ++a)
         c->lo[a] = SIDE, c->hi[a] = 0;
-    for (bool changed = true; changed && status == ISO_OK;)
-        status = look(b, c, &changed, err);
-    return status;
+    for (bool changed = true; changed;)
+        NEED(look(b, c, &changed, err));
+    return ISO_OK;
 }
 
 /* Checks all requested blocks. Activation only adds visible cells, so the result does not depend on the order. */
@@ -239,7 +238,7 @@ iso_status iso_lattice_add_halo(const iso_lattice_builder *b, iso_error *err)
     for (int a = 0; a < 3; ++a)
         h.count[a] = b->lattice->block_count[a] + 1;
     const size_t count = h.count[0] * h.count[1] * h.count[2];
-    cell_block *c = malloc(sizeof *c);
+    FREED cell_block *c = malloc(sizeof *c);
     h.wanted = malloc(count);
     iso_status status = c && h.wanted ? ISO_OK
                                       : iso_fail(err, ISO_E_MEMORY, "lattice: no memory for %zu blocks", count);
@@ -248,6 +247,5 @@ iso_status iso_lattice_add_halo(const iso_lattice_builder *b, iso_error *err)
         status = settle(&h, c, err);
     }
     free(h.wanted);
-    free(c);
     return status;
 }

@@ -396,7 +396,7 @@ iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_brick_cont
     if (!n->bricks || n->bricks[brick])
         return ISO_OK;
     const size_t side = n->brick_voxels + 1, size[3] = {side, side, side};
-    iso_node_buffers buffers = {0};
+    OWNED(iso_node_buffers) buffers = {0};
     iso_node_box box;
     size_t at[3];
     brick_at(n, brick, at);
@@ -407,7 +407,6 @@ iso_status iso_brick_make(const iso_node_levels *n, size_t brick, iso_brick_cont
     const bool good = iso_node_box_place(&box, size, voxels.directed, &buffers, ISO_BUFFER_BOX) &&
                       iso_node_box_read(&box, &voxels, first, &buffers) &&
                       keep_brick(n, brick, &box, content == ISO_BRICK_WHOLE);
-    iso_node_buffers_destroy(&buffers);
     return good ? ISO_OK
                 : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for a brick of %zu voxels per side", n->brick_voxels);
 }
@@ -507,13 +506,12 @@ void iso_node_levels_voxels(const iso_node_levels *n, size_t x, size_t y, size_t
 static iso_status read_voxels(const iso_node_levels *n, const long first[3], const size_t size[3],
                               float *restrict nodes, iso_error *err)
 {
-    iso_node_buffers buffers = {0};
+    OWNED(iso_node_buffers) buffers = {0};
     iso_node_box box;
     const bool good = iso_node_box_place(&box, size, n->maker->voxels.directed, &buffers, ISO_BUFFER_BOX) &&
                       iso_node_box_read(&box, &n->maker->voxels, first, &buffers);
     if (good)
         finish(n, &box, true, nodes);
-    iso_node_buffers_destroy(&buffers);
     return good ? ISO_OK
                 : iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu x %zu x %zu nodes", size[0], size[1], size[2]);
 }

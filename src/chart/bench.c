@@ -75,10 +75,9 @@ static iso_status add_scene(iso_chart_bench *b, const iso_subject_look *look, is
     name_scene(b, scene);
     if (!(scene->looks = calloc(ISO_CHART_MAX_LEVELS * ISO_CHART_TFS, sizeof *scene->looks)))
         return iso_fail(err, ISO_E_MEMORY, "chart: no memory for views");
-    iso_status status = iso_subject_make_scene(look, &b->first, &scene->scene, err);
-    return status == ISO_OK ? iso_scene_resolve(&scene->scene, &b->first.levels[0].geometry, iso_pyramid_lo(&b->first),
-                                                iso_pyramid_hi(&b->first), &scene->view, err)
-                             : status;
+    NEED(iso_subject_make_scene(look, &b->first, &scene->scene, err));
+    return iso_scene_resolve(&scene->scene, &b->first.levels[0].geometry, iso_pyramid_lo(&b->first),
+                             iso_pyramid_hi(&b->first), &scene->view, err);
 }
 
 iso_status iso_chart_bench_open(iso_chart_bench *b, const iso_chart_subject *s, const iso_chart_grid *grid, int threads,
@@ -89,13 +88,11 @@ iso_status iso_chart_bench_open(iso_chart_bench *b, const iso_chart_subject *s, 
                            .threads = threads,
                            .progress = *progress,
                            .is_volume = !iso_pyramid_is_one(s->path)};
-    iso_status status = load(b,
-                             &(chart_build){grid->first_estimator, grid->first_filter, s->level_count,
-                                            grid->first_code},
-                             progress, &b->first, err);
-    for (size_t i = 0; i < s->look_count && status == ISO_OK; ++i)
-        status = add_scene(b, &s->looks[i], err);
-    return status;
+    NEED(load(b, &(chart_build){grid->first_estimator, grid->first_filter, s->level_count, grid->first_code}, progress,
+              &b->first, err));
+    for (size_t i = 0; i < s->look_count; ++i)
+        NEED(add_scene(b, &s->looks[i], err));
+    return ISO_OK;
 }
 
 static void close_scene(iso_chart_scene *scene)
@@ -215,17 +212,15 @@ static iso_status need_palette(iso_chart_bench *b, const iso_chart_case *c, iso_
 static iso_status need_plan(iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
 {
     iso_chart_scene *s = &b->scenes[c->scene];
-    iso_status status = ISO_OK;
     if (!(c->plan_error > 0) || s->plan.levels)
         return ISO_OK;
     if (!b->nodes.nodes[0]) {
-        status = iso_node_levels_create(&b->nodes, &b->first.levels[0], ISO_CHART_BRICK_VOXELS,
-                                        ISO_CHART_BRICK_LEVELS, true, b->threads, err);
-        TRY(status, iso_node_levels_round(&b->nodes, b->threads, err));
+        NEED(iso_node_levels_create(&b->nodes, &b->first.levels[0], ISO_CHART_BRICK_VOXELS, ISO_CHART_BRICK_LEVELS,
+                                    true, b->threads, err));
+        NEED(iso_node_levels_round(&b->nodes, b->threads, err));
     }
     const iso_progress silent = {0};
-    return status == ISO_OK ? iso_plan_errors_create(&s->plan, &b->nodes, &s->view, 1, b->threads, &silent, err)
-                            : status;
+    return iso_plan_errors_create(&s->plan, &b->nodes, &s->view, 1, b->threads, &silent, err);
 }
 
 /* ---- estimates -------------------------------------------------------------------- */
@@ -369,12 +364,11 @@ static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *
                                     .threads = b->threads,
                                     .report = &report};
     iso_gl *gl = NULL;
-    iso_status status = c->renderer == &iso_renderer_cpu ? ISO_OK : iso_renderers_need_gl(&b->renderers, &gl, err);
-    if (status == ISO_OK && gl && b->processor_time)
+    if (c->renderer != &iso_renderer_cpu)
+        NEED(iso_renderers_need_gl(&b->renderers, &gl, err));
+    if (gl && b->processor_time)
         iso_gl_time_processor(gl, true);
-    TRY(status, iso_cached_render_nodes(gl, &b->nodes, &s->plan, &s->view, &opt, image, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_cached_render_nodes(gl, &b->nodes, &s->plan, &s->view, &opt, image, err));
     iso_render_stats_of_gl(&report.draws, &c->took);
     c->stored_bytes = ISO_BYTES_A_NODE * (double)report.node_count;
     return ISO_OK;
@@ -384,15 +378,14 @@ static iso_status render_plan(iso_chart_bench *b, iso_chart_case *c, iso_image *
 static iso_status render(iso_chart_bench *b, iso_chart_case *c, iso_image *image, iso_error *err)
 {
     *image = (iso_image){0};
-    iso_status status = need_pyramid(b, c, err);
-    TRY(status, need_look(b, c, err));
-    TRY(status, need_palette(b, c, err));
-    TRY(status, need_plan(b, c, err));
+    NEED(need_pyramid(b, c, err));
+    NEED(need_look(b, c, err));
+    NEED(need_palette(b, c, err));
+    NEED(need_plan(b, c, err));
     const double start = iso_clock_seconds();
-    TRY(status, c->plan_error > 0 ? render_plan(b, c, image, err) : render_level(b, c, image, err));
-    if (status == ISO_OK)
-        learn(b, c, iso_clock_seconds() - start);
-    return status;
+    NEED(c->plan_error > 0 ? render_plan(b, c, image, err) : render_level(b, c, image, err));
+    learn(b, c, iso_clock_seconds() - start);
+    return ISO_OK;
 }
 
 /* Compares with the reference. Skips FLIP and SSIM, which take longer than a frame, unless `visual`. */

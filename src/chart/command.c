@@ -32,9 +32,8 @@ static void put_number(FILE *f, const char *option, double value)
 
 static void put_input(FILE *f, const iso_volume_input *in)
 {
-    char *line = iso_volume_input_line(in);
+    FREED char *line = iso_volume_input_line(in);
     fputs(line ? line : "", f);
-    free(line);
 }
 
 /* Prints the options that differ from the defaults of `render`. */
@@ -53,9 +52,8 @@ static void put_directions(FILE *f, const iso_chart_result *r, const iso_chart_c
     if (c->source != ISO_FROM_PALETTE)
         return;
     snprintf(palette, sizeof palette, "palette-%zu.csv", iso_chart_palettes[c->palette]);
-    char *path = iso_path_join(r->output, palette);
+    FREED char *path = iso_path_join(r->output, palette);
     put_option(f, "palette", path);
-    free(path);
 }
 
 char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c)

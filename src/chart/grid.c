@@ -54,10 +54,9 @@ static iso_status parse_numbers(const number_list *list, const char *text, doubl
 static iso_status take_renderer(const char *word, bool *flags, iso_error *err)
 {
     const iso_renderer_info *r;
-    iso_status status = iso_renderer_from_name(word, &r, err);
-    if (status == ISO_OK)
-        flags[iso_renderer_index(r)] = true;
-    return status;
+    NEED(iso_renderer_from_name(word, &r, err));
+    flags[iso_renderer_index(r)] = true;
+    return ISO_OK;
 }
 
 static iso_status take_code(const char *word, bool *flags, iso_error *err)

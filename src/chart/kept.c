@@ -31,11 +31,10 @@ void iso_chart_reference_name(const iso_chart_bench *b, size_t scene, char *text
 /* Adds all facts on which a measurement depends. */
 static iso_status complete_key(iso_key *key, const iso_chart_bench *b, iso_error *err)
 {
-    json_t *machine = iso_machine_describe();
+    json_auto_t *machine = iso_machine_describe();
     const char *processor = json_string_value(json_object_get(machine, "processor"));
     iso_key_add_text(key, "the processor", processor ? processor : "");
     iso_key_add_text(key, "the first estimator", iso_gradient_name(b->first.options.gradient.method));
-    json_decref(machine);
     return iso_key_add_surroundings(key, err);
 }
 
@@ -142,8 +141,10 @@ static int by_text(const void *a, const void *b)
 static iso_status take_lines(const iso_chart_kept_file *k, const iso_chart_bench *b, iso_chart_case *cases, size_t count,
                              iso_error *err)
 {
-    case_key *keys = malloc((count + 1) * sizeof *keys), wanted;
-    char *text = NULL, setting[192];
+    case_key wanted;
+    FREED case_key *keys = malloc((count + 1) * sizeof *keys);
+    char setting[192];
+    FREED char *text = NULL;
     size_t size = 0;
     if (!keys)
         return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", count);
@@ -154,17 +155,14 @@ static iso_status take_lines(const iso_chart_kept_file *k, const iso_chart_bench
     }
     qsort(keys, count, sizeof *keys, by_text);
     while (getline(&text, &size, k->lines) > 0) {
-        json_t *line = json_loads(text, 0, NULL);
+        json_auto_t *line = json_loads(text, 0, NULL);
         const char *scene = json_string_value(json_object_get(line, "scene")),
                    *of = json_string_value(json_object_get(line, "setting"));
         snprintf(wanted.text, sizeof wanted.text, "%s; %s", scene ? scene : "", of ? of : "");
         const case_key *found = scene && of ? bsearch(&wanted, keys, count, sizeof *keys, by_text) : NULL;
         if (found)
             take_line(line, renderer_of(k, found->of), found->of);
-        json_decref(line);
     }
-    free(text);
-    free(keys);
     return ISO_OK;
 }
 
@@ -173,7 +171,7 @@ static iso_status take_lines(const iso_chart_kept_file *k, const iso_chart_bench
 /* Reads the first line; NULL if there is none of this schema. */
 static json_t *read_head(const char *dir)
 {
-    char *path = iso_path_join(dir, lines_name), *text = NULL;
+    FREED char *path = iso_path_join(dir, lines_name), *text = NULL;
     size_t size = 0;
     FILE *f = path ? fopen(path, "r") : NULL;
     json_t *first = f && getline(&text, &size, f) > 0 ? json_loads(text, 0, NULL) : NULL;
@@ -184,23 +182,18 @@ static json_t *read_head(const char *dir)
     }
     if (f)
         fclose(f);
-    free(text);
-    free(path);
     return first;
 }
 
 static iso_status copy_file(const char *from, const char *to, const char *name, iso_error *err)
 {
-    char *source = iso_path_join(from, name), *target = iso_path_join(to, name), *bytes = NULL;
+    FREED char *source = iso_path_join(from, name), *target = iso_path_join(to, name), *bytes = NULL;
     size_t size = 0;
     iso_status status = source && target ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     if (status == ISO_OK && iso_path_exists(source)) {
         status = iso_file_read(source, &bytes, &size, err);
         TRY(status, iso_file_write(target, bytes, size, err));
     }
-    free(bytes);
-    free(source);
-    free(target);
     return status;
 }
 
@@ -274,10 +267,9 @@ iso_status iso_chart_kept_take(iso_chart_kept_file *k, iso_chart_bench *b, iso_c
     for (size_t i = 0; i < b->scene_count && status == ISO_OK; ++i) {
         char name[192];
         iso_chart_reference_name(b, i, name, sizeof name);
-        char *path = iso_path_join(k->output.temp_path, name);
+        FREED char *path = iso_path_join(k->output.temp_path, name);
         if (path && iso_path_exists(path))
             status = iso_image_load_exr(path, &b->scenes[i].reference, err);
-        free(path);
     }
     rewind(k->lines);
     TRY(status, take_lines(k, b, cases, count, err));
@@ -297,26 +289,21 @@ iso_status iso_chart_kept_put_reference(iso_chart_kept_file *k, const iso_chart_
 {
     char name[192];
     iso_chart_reference_name(b, scene, name, sizeof name);
-    char *path = iso_path_join(k->output.temp_path, name), *part = iso_path_join(k->output.temp_path, part_name);
-    iso_status status = path && part ? iso_image_save_exr(&b->scenes[scene].reference, part, NULL, err)
-                                     : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    if (status == ISO_OK && rename(part, path) != 0)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", name, strerror(errno));
-    free(path);
-    free(part);
-    return status;
+    FREED char *path = iso_path_join(k->output.temp_path, name), *part = iso_path_join(k->output.temp_path, part_name);
+    NEED(path && part ? iso_image_save_exr(&b->scenes[scene].reference, part, NULL, err)
+                      : iso_fail(err, ISO_E_MEMORY, "chart: out of memory"));
+    if (rename(part, path) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", name, strerror(errno));
+    return ISO_OK;
 }
 
 iso_status iso_chart_kept_put(iso_chart_kept_file *k, const iso_chart_bench *b, const iso_chart_case *c, iso_error *err)
 {
-    json_t *line = case_line(k, b, c);
-    char *text = line ? json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
-    iso_status status = text && fprintf(k->lines, "%s\n", text) > 0 && fflush(k->lines) == 0
-                            ? ISO_OK
-                            : iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", lines_name, strerror(errno));
-    free(text);
-    json_decref(line);
-    return status;
+    json_auto_t *line = case_line(k, b, c);
+    FREED char *text = line ? json_dumps(line, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    if (!text || !(fprintf(k->lines, "%s\n", text) > 0) || fflush(k->lines) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", lines_name, strerror(errno));
+    return ISO_OK;
 }
 
 iso_status iso_chart_kept_commit(iso_chart_kept_file *k, iso_error *err)

@@ -55,9 +55,8 @@ static json_t *references_json(const iso_chart_result *r)
 {
     json_t *list = json_array();
     for (size_t i = 0; i < r->bench->scene_count; ++i) {
-        char *uri = iso_chart_picture(&r->bench->scenes[i].reference);
+        FREED char *uri = iso_chart_picture(&r->bench->scenes[i].reference);
         json_array_append_new(list, json_string(uri ? uri : ""));
-        free(uri);
     }
     return list;
 }

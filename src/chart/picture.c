@@ -40,7 +40,7 @@ static char *uri_of(const unsigned char *rgb, size_t width, size_t height)
     info.width = (png_uint_32)width;
     info.height = (png_uint_32)height;
     png_alloc_size_t size = 0;
-    unsigned char *png = NULL;
+    FREED unsigned char *png = NULL;
     char *text = NULL;
     size_t length = 0;
     FILE *f = NULL;
@@ -52,7 +52,6 @@ static char *uri_of(const unsigned char *rgb, size_t width, size_t height)
         fclose(f);
     }
     png_image_free(&info);
-    free(png);
     return text;
 }
 
@@ -66,10 +65,9 @@ char *iso_chart_picture(const iso_image *image)
     }
     width = width > 0 ? width : 1;
     height = height > 0 ? height : 1;
-    unsigned char *rgb = malloc(3 * width * height);
+    FREED unsigned char *rgb = malloc(3 * width * height);
     if (rgb)
         shrink(image, width, height, rgb);
     char *text = rgb ? uri_of(rgb, width, height) : NULL;
-    free(rgb);
     return text;
 }

@@ -27,10 +27,9 @@ const char *iso_chart_metric_title(iso_chart_metric m)
 iso_status iso_chart_metric_from_name(const char *name, iso_chart_metric *m, iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(&metric_names, name, &row, err);
-    if (status == ISO_OK)
-        *m = (iso_chart_metric)row;
-    return status;
+    NEED(iso_names_find(&metric_names, name, &row, err));
+    *m = (iso_chart_metric)row;
+    return ISO_OK;
 }
 
 double iso_chart_error(const iso_chart_case *c, iso_chart_metric m)
@@ -216,19 +215,17 @@ static void choose(iso_chart_result *r, front_arrays *a)
 /* Moves measured settings to the front; keeps the order within both groups. */
 static iso_status move_done_first(iso_chart_result *r, iso_error *err)
 {
-    iso_chart_case *skipped = malloc((r->count + 1) * sizeof *skipped);
+    FREED iso_chart_case *skipped = malloc((r->count + 1) * sizeof *skipped);
     size_t done = 0, left = 0;
     if (!skipped)
         return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", r->count);
-    for (size_t i = 0; i < r->count; ++i) {
+    for (size_t i = 0; i < r->count; ++i)
         if (r->cases[i].done)
             r->cases[done++] = r->cases[i];
         else
             skipped[left++] = r->cases[i];
-    }
     memcpy(r->cases + done, skipped, left * sizeof *skipped);
     r->done_count = done;
-    free(skipped);
     return ISO_OK;
 }
 

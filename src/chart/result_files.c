@@ -44,10 +44,9 @@ static char *result_csv(const iso_chart_result *r)
     FILE *f = open_memstream(&text, &size);
     if (!f)
         return NULL;
-    json_t *about = iso_machine_describe();
+    json_auto_t *about = iso_machine_describe();
     snprintf(machine, sizeof machine, "%s; %d cores", json_string_value(json_object_get(about, "processor")),
              (int)json_integer_value(json_object_get(about, "cores")));
-    json_decref(about);
     fputs(
         "series,setting,renderer,level,shading_from,filter,estimator,tf,quadrature,step_voxels,plan_error,milliseconds,milliseconds_median,"
         "milliseconds_most,frames,setup_milliseconds,device_bytes,stored_bytes,bytes,error,rmse,max_abs,flip_mean,ssim,time_front,"
@@ -62,7 +61,7 @@ static char *result_csv(const iso_chart_result *r)
         iso_chart_name_shading(c, shading_from, sizeof shading_from);
         snprintf(versions, sizeof versions, "isoshade %s; %s", ISO_VERSION,
                  r->versions[iso_renderer_index(c->renderer)]);
-        char *typed = iso_chart_command(r, c), *command = typed ? iso_provenance_line(typed) : NULL;
+        FREED char *typed = iso_chart_command(r, c), *command = typed ? iso_provenance_line(typed) : NULL;
         fprintf(f, "%s,%s,%s,%zu,%s,%s,%s,%s,%s,%g,%g,", series, setting, c->renderer->name, c->level, shading_from,
                 iso_direction_filter_name(c->filter), iso_gradient_name(c->estimator), iso_chart_name_tf(c),
                 c->preintegrated ? "preintegrated" : "midpoint", c->step_voxels, c->plan_error);
@@ -81,8 +80,6 @@ static char *result_csv(const iso_chart_result *r)
         fprintf(f, ",%d,%d", c->on_renderer_time_front, c->on_renderer_bytes_front);
         put_field(f, command);
         fputc('\n', f);
-        free(command);
-        free(typed);
     }
     if (fclose(f) == 0)
         return text;
@@ -94,31 +91,28 @@ static char *result_csv(const iso_chart_result *r)
 static iso_status write_images(const iso_chart_result *r, const char *dir, iso_error *err)
 {
     const iso_image_note notes[] = {{"isoshade:command", r->command_line}, {NULL, NULL}};
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < r->bench->scene_count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < r->bench->scene_count; ++i) {
         char name[192];
         iso_chart_reference_name(r->bench, i, name, sizeof name);
-        char *path = iso_path_join(dir, name);
-        status = path ? iso_image_save_exr(&r->bench->scenes[i].reference, path, notes, err)
-                      : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-        free(path);
+        FREED char *path = iso_path_join(dir, name);
+        NEED(path ? iso_image_save_exr(&r->bench->scenes[i].reference, path, notes, err)
+                  : iso_fail(err, ISO_E_MEMORY, "chart: out of memory"));
     }
-    for (size_t i = 0; i < ISO_CHART_PALETTES && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < ISO_CHART_PALETTES; ++i) {
         char name[64];
         snprintf(name, sizeof name, "palette-%zu.csv", iso_chart_palettes[i]);
         if (!r->bench->palettes[i].xyz)
             continue;
-        char *path = iso_path_join(dir, name);
-        status = path ? iso_palette_save_csv(&r->bench->palettes[i], path, err)
-                      : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-        free(path);
+        FREED char *path = iso_path_join(dir, name);
+        NEED(path ? iso_palette_save_csv(&r->bench->palettes[i], path, err)
+                  : iso_fail(err, ISO_E_MEMORY, "chart: out of memory"));
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_chart_result_write(const iso_chart_result *r, const char *folder, const json_t *json, iso_error *err)
 {
-    char *csv = result_csv(r), *path = iso_path_join(folder, "chart.json");
+    FREED char *csv = result_csv(r), *path = iso_path_join(folder, "chart.json");
     iso_status status = csv && path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     TRY(status, iso_json_save(path, json, err));
     TRY(status, write_images(r, folder, err));
@@ -128,7 +122,5 @@ iso_status iso_chart_result_write(const iso_chart_result *r, const char *folder,
     const char *const formats[] = {"svg", "pdf"};
     for (size_t i = 0; i < 2 && status == ISO_OK; ++i)
         status = iso_gnuplot_draw(folder, "pareto", csv, iso_pareto_gp, formats[i], err);
-    free(csv);
-    free(path);
     return status;
 }

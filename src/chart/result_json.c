@@ -14,7 +14,7 @@ static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
     char shading_from[64], setting[192];
     iso_chart_name_shading(c, shading_from, sizeof shading_from);
     iso_chart_describe(c, setting, sizeof setting);
-    char *typed = iso_chart_command(r, c), *command = typed ? iso_provenance_line(typed) : NULL;
+    FREED char *typed = iso_chart_command(r, c), *command = typed ? iso_provenance_line(typed) : NULL;
     json_t *o = json_pack("{s:s, s:s, s:I, s:s, s:s, s:s, s:s, s:s, s:f}", "setting", setting, "renderer",
                           c->renderer->name, "level", (json_int_t)c->level, "shading_from", shading_from, "filter",
                           iso_direction_filter_name(c->filter), "estimator", iso_gradient_name(c->estimator), "tf",
@@ -37,8 +37,6 @@ static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
     if (c->number > 0)
         json_object_set_new(o, "number", json_integer((json_int_t)c->number));
     json_object_set_new(o, "command", json_string(command ? command : ""));
-    free(command);
-    free(typed);
     return o;
 }
 

@@ -17,9 +17,8 @@ static void print_chosen(const iso_chart_result *r, const char *what, size_t ind
     for (size_t i = 0; i < r->done_count; ++i) {
         if (r->cases[i].setting != c->setting)
             continue;
-        char *command = iso_chart_command(r, &r->cases[i]);
+        FREED char *command = iso_chart_command(r, &r->cases[i]);
         printf("  %s\n", command ? command : "");
-        free(command);
     }
 }
 
@@ -37,9 +36,8 @@ static void print_want(const iso_chart_result *r)
         print_chosen(r, what, r->best);
     }
     for (size_t i = 0; i < r->bench->scene_count; ++i) {
-        char *compare = iso_chart_compare_command(r, i);
+        FREED char *compare = iso_chart_compare_command(r, i);
         printf("to check its error: %s\n", compare ? compare : "");
-        free(compare);
     }
 }
 

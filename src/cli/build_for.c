@@ -14,17 +14,14 @@
 iso_status iso_cli_check_memory(const char *option, const char *volume, const iso_volume_input *input,
                                 iso_effort effort, double memory_mb, iso_error *err)
 {
-    iso_volume_source *source = NULL;
-    iso_status status = iso_volume_input_open(volume, input, &source, err);
-    if (status != ISO_OK)
-        return status;
+    ENDED_BY(iso_source_close_owned) iso_volume_source *source = NULL;
+    NEED(iso_volume_input_open(volume, input, &source, err));
     const iso_volume *v = iso_source_volume(source);
     const double needed = (double)iso_scene_levels_bytes(&v->geometry, v->type, effort) / 1048576;
     if (needed > memory_mb)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: %s works in memory and needs %.0f MB, --memory is %g", volume, option,
-                          needed, memory_mb);
-    iso_source_close(source);
-    return status;
+        return iso_fail(err, ISO_E_MEMORY, "%s: %s works in memory and needs %.0f MB, --memory is %g", volume, option,
+                        needed, memory_mb);
+    return ISO_OK;
 }
 
 static const char *scene_name(const iso_scene *scene)
@@ -98,13 +95,11 @@ static void print(const iso_build_for *b, const iso_pyramid *p, const iso_scene 
 /* Warns if the scene shows nothing, since its levels would be useless. */
 static iso_status warn(const iso_build_for *b, const iso_pyramid *p, const iso_scene *scene, iso_error *err)
 {
-    iso_view view = {0};
+    OWNED(iso_view) view = {0};
     const iso_level *level0 = &p->levels[0];
-    iso_status status = iso_scene_resolve(scene, &level0->geometry, level0->min, level0->max, &view, err);
-    if (status == ISO_OK)
-        iso_cli_warn_view(b->cli, p, &view, NULL, &(bool){false});
-    iso_view_destroy(&view);
-    return status;
+    NEED(iso_scene_resolve(scene, &level0->geometry, level0->min, level0->max, &view, err));
+    iso_cli_warn_view(b->cli, p, &view, NULL, &(bool){false});
+    return ISO_OK;
 }
 
 /* ---- Ctrl-C ends optimizing, and keeps the levels so far ---- */

@@ -244,9 +244,9 @@ static iso_status save_viewers(chart_run *run, iso_error *err)
 {
     iso_chart_result *result = &run->result;
     const iso_pyramid *p = &run->bench.first;
-    char *typed = iso_volume_input_line(&run->arguments->input), *input = typed ? iso_provenance_line(typed) : NULL;
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < run->bench.scene_count && status == ISO_OK && run->arguments->viewer; ++i) {
+    FREED char *typed = iso_volume_input_line(&run->arguments->input),
+               *input = typed ? iso_provenance_line(typed) : NULL;
+    for (size_t i = 0; i < run->bench.scene_count && run->arguments->viewer; ++i) {
         iso_viewer_size size;
         const iso_viewer page = {.pyramid = p,
                                  .scene = &run->bench.scenes[i].scene,
@@ -259,14 +259,11 @@ static iso_status save_viewers(chart_run *run, iso_error *err)
                                  .codes = {p->options.code},
                                  .threads = run->cli->threads};
         snprintf(result->viewers[i], sizeof result->viewers[i], "viewer-%s.html", run->bench.scenes[i].name);
-        char *path = iso_path_join(run->kept.output.temp_path, result->viewers[i]);
-        status = path ? iso_viewer_save(&page, path, NULL, &size, err)
-                      : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-        free(path);
+        FREED char *path = iso_path_join(run->kept.output.temp_path, result->viewers[i]);
+        NEED(path ? iso_viewer_save(&page, path, NULL, &size, err)
+                  : iso_fail(err, ISO_E_MEMORY, "chart: out of memory"));
     }
-    free(input);
-    free(typed);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status finish(chart_run *run, iso_error *err)
@@ -323,23 +320,21 @@ static iso_status check_looks(chart_run *run, iso_error *err)
 static iso_status make_references(chart_run *run, iso_error *err)
 {
     iso_chart_bench *b = &run->bench;
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < b->scene_count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < b->scene_count; ++i) {
         if (b->scenes[i].reference.rgba)
             continue;
-        status = iso_chart_bench_reference(b, i, b->hasty ? ISO_CHART_HASTY_TOLERANCE : ISO_CHART_TOLERANCE, err);
-        TRY(status, iso_chart_kept_put_reference(&run->kept, b, i, err));
+        NEED(iso_chart_bench_reference(b, i, b->hasty ? ISO_CHART_HASTY_TOLERANCE : ISO_CHART_TOLERANCE, err));
+        NEED(iso_chart_kept_put_reference(&run->kept, b, i, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status identify_renderers(chart_run *run, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t r = 0; r < iso_renderer_count() && status == ISO_OK; ++r)
+    for (size_t r = 0; r < iso_renderer_count(); ++r)
         if (run->grid.with[r])
-            status = iso_renderer_identify(iso_renderer_at(r), run->result.versions[r], run->kept.renderers[r], err);
-    return status;
+            NEED(iso_renderer_identify(iso_renderer_at(r), run->result.versions[r], run->kept.renderers[r], err));
+    return ISO_OK;
 }
 
 /* Loads the measurements and references of an earlier run. */
@@ -414,7 +409,7 @@ iso_status iso_cli_chart(const iso_chart_arguments *a, const iso_cli *cli, iso_e
     run->start_seconds = iso_clock_seconds();
     run->end_seconds = end_of_measuring(run);
     iso_chart_result *result = &run->result;
-    char *line = iso_cli_command_line(cli);
+    FREED char *line = iso_cli_command_line(cli);
     *result = (iso_chart_result){.command_line = line ? line : "",
                                  .bench = &run->bench,
                                  .metric = a->metric,
@@ -440,7 +435,6 @@ iso_status iso_cli_chart(const iso_chart_arguments *a, const iso_cli *cli, iso_e
     TRY(status, measure_all(run, err));
     TRY(status, time_again(run, err));
     TRY(status, finish(run, err));
-    free(line);
     end(run);
     return status;
 }

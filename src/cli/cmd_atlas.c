@@ -71,7 +71,7 @@ static iso_status make_cases(const iso_cli *cli, const bool *wanted, iso_atlas_p
 
 static iso_status write_page(const char *dir, const json_t *root, const char *sections, iso_error *err)
 {
-    char *text = NULL, *page = iso_path_join(dir, "index.html"), *data = iso_path_join(dir, "atlas.json");
+    FREED char *text = NULL, *page = iso_path_join(dir, "index.html"), *data = iso_path_join(dir, "atlas.json");
     size_t size = 0;
     FILE *html = open_memstream(&text, &size);
     iso_status status = page && data && html ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
@@ -83,9 +83,6 @@ static iso_status write_page(const char *dir, const json_t *root, const char *se
     }
     TRY(status, iso_file_write(page, text, size, err));
     TRY(status, iso_json_save(data, root, err));
-    free(text);
-    free(page);
-    free(data);
     return status;
 }
 
@@ -93,7 +90,7 @@ static iso_status write_page(const char *dir, const json_t *root, const char *se
 static iso_status make_atlas(const iso_cli *cli, const bool *wanted, const char *output, json_t *root, iso_error *err)
 {
     iso_output out;
-    char *sections = NULL;
+    FREED char *sections = NULL;
     size_t size = 0, fallen = 0;
     iso_atlas_page page = {.name = output, .cases = json_array()};
     json_object_set_new(root, "cases", page.cases);
@@ -107,7 +104,6 @@ static iso_status make_atlas(const iso_cli *cli, const bool *wanted, const char 
     TRY(status, write_page(out.temp_path, root, sections, err));
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
-    free(sections);
     if (status == ISO_OK && cli->json)
         iso_cli_print_json(json_incref(root));
     if (status == ISO_OK && fallen > 0)
@@ -131,15 +127,12 @@ static const iso_option options[] = {
 static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     const atlas_options *o = values;
-    bool *wanted = calloc(iso_atlas_case_count, sizeof *wanted);
-    json_t *root = iso_cli_json(cli);
-    iso_status status = !wanted      ? iso_fail(err, ISO_E_MEMORY, "out of memory")
-                        : !o->output ? iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the atlas")
-                                     : choose(o->cases, wanted, err);
-    TRY(status, make_atlas(cli, wanted, o->output, root, err));
-    json_decref(root);
-    free(wanted);
-    return status;
+    FREED bool *wanted = calloc(iso_atlas_case_count, sizeof *wanted);
+    json_auto_t *root = iso_cli_json(cli);
+    NEED(!wanted      ? iso_fail(err, ISO_E_MEMORY, "out of memory")
+         : !o->output ? iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the atlas")
+                      : choose(o->cases, wanted, err));
+    return make_atlas(cli, wanted, o->output, root, err);
 }
 
 const iso_command iso_command_atlas = {

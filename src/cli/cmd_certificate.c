@@ -20,7 +20,7 @@ static void print_site(const json_t *site, const char *output)
 
 static iso_status make_site(const iso_cli *cli, const char *output, const iso_report_source *reports, iso_error *err)
 {
-    json_t *made = NULL, *site = iso_cli_json(cli);
+    json_auto_t *made = NULL, *site = iso_cli_json(cli);
     iso_status status = iso_certificates_of(reports, cli->argument_count, &made, err);
     if (status == ISO_OK) {
         json_object_set_new(site, "title", json_string("Certificates of volume renderers"));
@@ -31,14 +31,12 @@ static iso_status make_site(const iso_cli *cli, const char *output, const iso_re
         iso_cli_print_json(json_incref(site));
     else if (status == ISO_OK)
         print_site(site, output);
-    json_decref(made);
-    json_decref(site);
     return status;
 }
 
 static iso_status load_and_make(const iso_cli *cli, const char *output, iso_error *err)
 {
-    iso_report_source *reports = calloc(cli->argument_count, sizeof *reports);
+    FREED iso_report_source *reports = calloc(cli->argument_count, sizeof *reports);
     iso_status status = reports ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (!output)
         status = iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the site");
@@ -47,7 +45,6 @@ static iso_status load_and_make(const iso_cli *cli, const char *output, iso_erro
     TRY(status, make_site(cli, output, reports, err));
     for (size_t i = 0; reports && i < cli->argument_count; ++i)
         iso_report_source_close(&reports[i]);
-    free(reports);
     return status;
 }
 

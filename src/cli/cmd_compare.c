@@ -76,7 +76,7 @@ static iso_status measure_flip(const compare_options *opt, const iso_image image
 {
     iso_image picture;
     size_t count = images[0].width * images[0].height;
-    float *map = malloc(count * sizeof *map);
+    FREED float *map = malloc(count * sizeof *map);
     if (!map)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu pixels", count);
     iso_status status = (opt->hdr ? iso_flip_hdr : iso_flip_ldr)(&images[0], &images[1], ISO_FLIP_PIXELS_PER_DEGREE,
@@ -90,7 +90,6 @@ static iso_status measure_flip(const compare_options *opt, const iso_image image
         TRY(status, iso_image_save(&picture, opt->flip_map, NULL, err));
         iso_image_destroy(&picture);
     }
-    free(map);
     return status;
 }
 

@@ -90,11 +90,9 @@ static iso_status load(iso_export_arguments *a, const iso_export_target *target,
 static iso_status check_arguments(iso_export_arguments *a, const iso_export_target **target, iso_subject_look *look,
                                   double iso[3], iso_error *err)
 {
-    iso_status status = iso_export_check(a, target, err);
-    TRY(status, iso_cli_look_check(&a->look, a->cli->threads, look, err));
-    if (status == ISO_OK && a->isosurface)
-        status = iso_words_parse_numbers(a->isosurface, "--isosurface", iso, err);
-    return status;
+    NEED(iso_export_check(a, target, err));
+    NEED(iso_cli_look_check(&a->look, a->cli->threads, look, err));
+    return a->isosurface ? iso_words_parse_numbers(a->isosurface, "--isosurface", iso, err) : ISO_OK;
 }
 
 /* Makes the parts of a job that one volume and a series share. root: for --json, or NULL. */
@@ -139,10 +137,10 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
     const iso_export_target *target = NULL;
     double iso[3] = {0};
     iso_progress progress = iso_cli_progress(a->cli);
-    iso_pyramid pyramid = {0};
-    iso_volume volume = {0};
-    iso_view view = {0};
-    iso_planned planned = {0};
+    OWNED(iso_pyramid) pyramid = {0};
+    OWNED(iso_volume) volume = {0};
+    OWNED(iso_view) view = {0};
+    OWNED(iso_planned) planned = {0};
     iso_subject_look look;
     NEED(check_arguments(a, &target, &look, iso, err));
     iso_cli_expect_names(a->cli, !iso_pyramid_is_one(a->cli->arguments[0]), target->stages, target->name);
@@ -150,7 +148,7 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
     if (status == ISO_OK && a->plan)
         status = load_plan(a, &pyramid, &volume, &view, &planned, err);
     json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
-    char *command = iso_cli_command_line(a->cli);
+    FREED char *command = iso_cli_command_line(a->cli);
     iso_export_job job = job_of(a, target, &view, iso[0], &progress, command, root);
     job.pyramid = &pyramid;
     job.volume = volume.data ? &volume : NULL;
@@ -168,11 +166,6 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
         if (status == ISO_OK)
             printf("%s: %s\n", a->output, a->bake.wanted ? target->baked : target->summary);
     }
-    free(command);
-    iso_planned_destroy(&planned);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&pyramid);
-    iso_volume_destroy(&volume);
     return status;
 }
 
@@ -192,34 +185,30 @@ static iso_status check_level(const iso_export_arguments *a, const iso_pyramid *
 static iso_status make_series_view(const iso_export_arguments *a, const iso_subject_frames *frames, const double iso[3],
                                    iso_view *view, iso_error *err)
 {
-    iso_pyramid first = {0};
-    iso_status status = iso_subject_frames_load(frames, frames->widest, &first, err);
-    TRY(status, check_level(a, &first, err));
-    if (status == ISO_OK && frames->has_scene)
-        status = iso_subject_frames_view(frames, &first, view, err);
-    if (status == ISO_OK && frames->has_scene)
+    OWNED(iso_pyramid) first = {0};
+    NEED(iso_subject_frames_load(frames, frames->widest, &first, err));
+    NEED(check_level(a, &first, err));
+    if (frames->has_scene)
+        NEED(iso_subject_frames_view(frames, &first, view, err));
+    if (frames->has_scene)
         iso_cli_warn_view(a->cli, &first, view, a->isosurface ? iso : NULL, &(bool){false});
-    iso_pyramid_destroy(&first);
-    return status;
+    return ISO_OK;
 }
 
 /* Writes one numbered output per frame. */
 static iso_status write_each(const iso_export_arguments *a, const iso_export_target *target,
                              const iso_subject_frames *frames, const iso_export_job *of_all, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t k = 0; k < frames->count && status == ISO_OK; ++k) {
-        iso_pyramid p = {0};
+    for (size_t k = 0; k < frames->count; ++k) {
+        OWNED(iso_pyramid) p = {0};
         iso_export_job job = *of_all;
-        char *name = iso_frames_name(a->output, target->suffix, k);
-        status = name ? iso_subject_frames_load(frames, k, &p, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
+        FREED char *name = iso_frames_name(a->output, target->suffix, k);
+        NEED(name ? iso_subject_frames_load(frames, k, &p, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
         job.pyramid = &p;
         job.output = name;
-        TRY(status, target->write(&job, err));
-        iso_pyramid_destroy(&p);
-        free(name);
+        NEED(target->write(&job, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status export_series(iso_export_arguments *a, iso_error *err)
@@ -228,8 +217,8 @@ static iso_status export_series(iso_export_arguments *a, iso_error *err)
     double iso[3] = {0};
     const iso_progress progress = iso_cli_progress(a->cli);
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_subject_frames frames = {0};
-    iso_view view = {0};
+    OWNED(iso_subject_frames) frames = {0};
+    OWNED(iso_view) view = {0};
     iso_subject_look look;
     NEED(check_arguments(a, &target, &look, iso, err));
     build.threads = a->cli->threads;
@@ -240,7 +229,7 @@ static iso_status export_series(iso_export_arguments *a, iso_error *err)
         err);
     TRY(status, make_series_view(a, &frames, iso, &view, err));
     json_t *root = status == ISO_OK && a->cli->json ? iso_cli_json(a->cli) : NULL;
-    char *command = iso_cli_command_line(a->cli);
+    FREED char *command = iso_cli_command_line(a->cli);
     iso_export_job job = job_of(a, target, &view, iso[0], &progress, command, root);
     job.frame_count = frames.count;
     job.load_frame = load_frame;
@@ -259,9 +248,6 @@ static iso_status export_series(iso_export_arguments *a, iso_error *err)
                    iso_words_plural(frames.count), frames.build.value_range[0], frames.build.value_range[1],
                    target->summary);
     }
-    free(command);
-    iso_view_destroy(&view);
-    iso_subject_frames_destroy(&frames);
     return status;
 }
 
@@ -278,14 +264,12 @@ static iso_status export_volumes(iso_export_arguments *a, iso_error *err)
                         : a->roi.box                  ? "--roi"
                         : a->isosurface               ? "--isosurface"
                                                       : NULL;
-    iso_status status = iso_export_check(a, &target, err);
-    if (status == ISO_OK && other)
-        status = iso_fail(err, ISO_E_USAGE, "%s needs a single volume, without --add and --channels", other);
-    if (status == ISO_OK && a->channels && a->input.channel)
-        status = iso_fail(err, ISO_E_USAGE, "--channel and --channels exclude each other");
-    TRY(status, iso_cli_look_check(&a->look, a->cli->threads, &look, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_export_check(a, &target, err));
+    if (other)
+        return iso_fail(err, ISO_E_USAGE, "%s needs a single volume, without --add and --channels", other);
+    if (a->channels && a->input.channel)
+        return iso_fail(err, ISO_E_USAGE, "--channel and --channels exclude each other");
+    NEED(iso_cli_look_check(&a->look, a->cli->threads, &look, err));
     iso_cli_expect_names(a->cli, true, target->stages, target->name);
     return iso_export_several_volumes(&(iso_export_several){.cli = a->cli,
                                                             .input = &a->input,

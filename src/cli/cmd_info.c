@@ -192,7 +192,7 @@ static iso_status show(const iso_cli *cli, const iso_volume_input *input, const 
     const char *path = cli->arguments[0];
     const iso_progress progress = iso_cli_progress(cli);
     const iso_overview_options opt = {.drawn_bins = picture ? DRAWN_BINS : 0, .threads = cli->threads};
-    iso_overview facts;
+    OWNED(iso_overview) facts = {0};
     iso_status status = iso_overview_run(path, input, &opt, &facts, &progress, err);
     if (status != ISO_OK)
         return status;
@@ -202,7 +202,6 @@ static iso_status show(const iso_cli *cli, const iso_volume_input *input, const 
         print_json(cli, path, &facts);
     else if (status == ISO_OK)
         print_text(path, &facts);
-    iso_overview_destroy(&facts);
     return status;
 }
 
@@ -274,10 +273,9 @@ static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const v
 static void print_made_for(const iso_pyramid *p)
 {
     const json_t *levels = json_object_get(p->made_for, "levels"), *level;
-    char *scenes = iso_level_scene_names(p);
+    FREED char *scenes = iso_level_scene_names(p);
     size_t i;
     printf("  made for   %s:", scenes ? scenes : "?");
-    free(scenes);
     json_array_foreach (levels, i, level) {
         const char *scalar = json_string_value(json_object_get(level, "scalar"));
         printf("%s level %d %s", i > 0 ? "," : "", (int)json_integer_value(json_object_get(level, "level")),
@@ -319,10 +317,8 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
 static iso_status verify(const iso_cli *cli, const iso_pyramid *p, verified *found, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
-    iso_status status = iso_fit_verify(p, cli->threads, found->levels, &progress, err);
-    return status != ISO_OK ? status
-                            : iso_joint_verify(p, cli->arguments[0], cli->threads, &found->joints, &found->joint_count,
-                                               &progress, err);
+    NEED(iso_fit_verify(p, cli->threads, found->levels, &progress, err));
+    return iso_joint_verify(p, cli->arguments[0], cli->threads, &found->joints, &found->joint_count, &progress, err);
 }
 
 /* Reports the first failed check. */
@@ -342,7 +338,7 @@ static iso_status report_failed_check(const iso_cli *cli, const iso_pyramid *p, 
 
 static iso_status show_pyramid(const iso_cli *cli, bool is_verified, iso_error *err)
 {
-    iso_pyramid p;
+    OWNED(iso_pyramid) p = {0};
     verified found = {0};
     iso_status status = is_verified ? iso_pyramid_load(cli->arguments[0], &p, err)
                                     : iso_pyramid_load_outline(cli->arguments[0], &p, err);
@@ -357,7 +353,6 @@ static iso_status show_pyramid(const iso_cli *cli, bool is_verified, iso_error *
     if (status == ISO_OK && is_verified)
         status = report_failed_check(cli, &p, &found, err);
     free(found.joints);
-    iso_pyramid_destroy(&p);
     return status;
 }
 

@@ -76,18 +76,16 @@ static iso_status parse_geometry(const make_options *opt, iso_geometry *g, iso_e
     size_t size[3];
     double spacing[3] = {1, 1, 1};
     iso_mat3 turn = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    iso_status status = iso_words_parse_sizes(opt->size, "--size", size, err);
-    if (status == ISO_OK && opt->spacing)
-        status = iso_words_parse_numbers(opt->spacing, "--spacing", spacing, err);
-    for (int a = 0; status == ISO_OK && a < 3; ++a)
-        status = iso_words_check_range("--spacing", spacing[a], ISO_LEAST_MM, ISO_MOST_MM, err);
+    NEED(iso_words_parse_sizes(opt->size, "--size", size, err));
+    if (opt->spacing)
+        NEED(iso_words_parse_numbers(opt->spacing, "--spacing", spacing, err));
+    for (int a = 0; a < 3; ++a)
+        NEED(iso_words_check_range("--spacing", spacing[a], ISO_LEAST_MM, ISO_MOST_MM, err));
     iso_vec3 center = {0, 0, 0};
-    if (status == ISO_OK && opt->center)
-        status = parse_center(opt->center, &center, err);
-    if (status == ISO_OK && opt->rotate)
-        status = parse_rotation(opt->rotate, &turn, err);
-    if (status != ISO_OK)
-        return status;
+    if (opt->center)
+        NEED(parse_center(opt->center, &center, err));
+    if (opt->rotate)
+        NEED(parse_rotation(opt->rotate, &turn, err));
     *g = iso_geometry_axis_aligned(size, spacing);
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c)
@@ -126,7 +124,7 @@ static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso
     slab = slab < n[2] ? slab : n[2];
     iso_progress progress = iso_cli_progress(cli);
     iso_cli_expect(cli, &(iso_cli_stage){"make", 1}, 1);
-    void *planes = malloc(slab * plane);
+    FREED void *planes = malloc(slab * plane);
     iso_status status = planes ? ISO_OK
                                : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bytes of planes", slab * plane);
     for (size_t z = 0; status == ISO_OK && z < n[2]; z += slab) {
@@ -135,7 +133,6 @@ static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso
         TRY(status, iso_sink_write(sink, end - z, planes, err));
         iso_progress_report(&progress, "make", (double)end / (double)n[2]);
     }
-    free(planes);
     return status;
 }
 

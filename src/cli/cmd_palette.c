@@ -89,17 +89,14 @@ static iso_status save_volume_indices(const iso_palette_arguments *a, const iso_
                                       iso_error *err)
 {
     iso_gradient_options gradient = iso_gradient_defaults();
-    iso_volume v = {0};
-    float *vectors = NULL;
+    OWNED(iso_volume) v = {0};
+    FREED float *vectors = NULL;
     gradient.threads = a->cli->threads;
-    iso_status status = iso_volume_input_load(a->cli->arguments[0], &a->input, &v, err);
-    if (status == ISO_OK && !(vectors = malloc(3 * iso_geometry_voxel_count(&v.geometry) * sizeof *vectors)))
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory for its gradients", path);
-    TRY(status, iso_gradient_compute(&v, &gradient, vectors, err));
-    TRY(status, save_indices(palette, &v.geometry, vectors, path, err));
-    iso_volume_destroy(&v);
-    free(vectors);
-    return status;
+    NEED(iso_volume_input_load(a->cli->arguments[0], &a->input, &v, err));
+    if (!(vectors = malloc(3 * iso_geometry_voxel_count(&v.geometry) * sizeof *vectors)))
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory for its gradients", path);
+    NEED(iso_gradient_compute(&v, &gradient, vectors, err));
+    return save_indices(palette, &v.geometry, vectors, path, err);
 }
 
 static iso_status save_level_indices(const iso_pyramid *p, size_t k, const iso_palette *palette, const char *path,
@@ -107,11 +104,9 @@ static iso_status save_level_indices(const iso_pyramid *p, size_t k, const iso_p
 {
     const iso_level *l = &p->levels[k];
     const float *directions;
-    float *owned;
-    iso_status status = iso_level_directions(l, p->options.code, &directions, &owned, err);
-    TRY(status, save_indices(palette, &l->geometry, directions, path, err));
-    free(owned);
-    return status;
+    FREED float *owned = NULL;
+    NEED(iso_level_directions(l, p->options.code, &directions, &owned, err));
+    return save_indices(palette, &l->geometry, directions, path, err);
 }
 
 /* Returns "a_level_2.csv" for "a.csv"; to be freed. */
@@ -128,42 +123,36 @@ static char *level_path(const char *path, long level)
 static iso_status save_one(const iso_palette_arguments *a, const iso_pyramid *p, const fitted *f, const char *path,
                            iso_error *err)
 {
-    char *note = iso_cli_command_line(a->cli);
+    FREED char *note = iso_cli_command_line(a->cli);
     const char *text = note ? note : "";
-    iso_status status = ISO_OK;
     if (iso_path_ends_with(path, ".csv"))
-        status = iso_palette_save_csv(&f->palette, path, err);
+        NEED(iso_palette_save_csv(&f->palette, path, err));
     else if (iso_path_ends_with(path, ".inc"))
-        status = iso_palette_save_povray(&f->palette, path, text, err);
+        NEED(iso_palette_save_povray(&f->palette, path, text, err));
     else if (iso_path_ends_with(path, ".py"))
-        status = iso_palette_save_python(&f->palette, path, text, err);
+        NEED(iso_palette_save_python(&f->palette, path, text, err));
     else if (iso_path_ends_with(path, ".exr"))
-        status = iso_palette_picture_exr(&f->palette, path, text, err);
+        NEED(iso_palette_picture_exr(&f->palette, path, text, err));
     else if (iso_path_ends_with(path, ".png"))
-        status = iso_palette_picture_png(&f->palette, &f->set, path, err);
+        NEED(iso_palette_picture_png(&f->palette, &f->set, path, err));
     else if (!p)
-        status = save_volume_indices(a, &f->palette, path, err);
+        NEED(save_volume_indices(a, &f->palette, path, err));
     else if (f->level >= 0)
-        status = save_level_indices(p, (size_t)f->level, &f->palette, path, err);
-    for (size_t k = 0; p && f->level < 0 && iso_path_ends_with(path, ".nrrd") && k < p->level_count && status == ISO_OK;
-         ++k) {
-        char *name = level_path(path, (long)k);
-        status = name ? save_level_indices(p, k, &f->palette, name, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-        free(name);
+        NEED(save_level_indices(p, (size_t)f->level, &f->palette, path, err));
+    for (size_t k = 0; p && f->level < 0 && iso_path_ends_with(path, ".nrrd") && k < p->level_count; ++k) {
+        FREED char *name = level_path(path, (long)k);
+        NEED(name ? save_level_indices(p, k, &f->palette, name, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
     }
-    free(note);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status save_all(const iso_palette_arguments *a, const iso_pyramid *p, const fitted *f, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (char **path = a->outputs; path && *path && status == ISO_OK; ++path) {
-        char *name = level_path(*path, a->per_level ? f->level : -1);
-        status = name ? save_one(a, p, f, name, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-        free(name);
+    for (char **path = a->outputs; path && *path; ++path) {
+        FREED char *name = level_path(*path, a->per_level ? f->level : -1);
+        NEED(name ? save_one(a, p, f, name, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* ---- the command ------------------------------------------------------------------------------ */
@@ -216,7 +205,7 @@ static iso_status make_one(const iso_palette_arguments *a, const iso_palette_opt
                            long level, json_t *palettes, iso_error *err)
 {
     const iso_cli_stage stages[] = {{"directions", 1}, {"palette", 3}};
-    fitted f = {.level = level};
+    OWNED(fitted) f = {.level = level};
     double start = iso_clock_seconds();
     iso_cli_expect(a->cli, stages, sizeof stages / sizeof *stages);
     iso_status status;
@@ -230,38 +219,33 @@ static iso_status make_one(const iso_palette_arguments *a, const iso_palette_opt
     TRY(status, save_all(a, p, &f, err));
     if (status == ISO_OK)
         report(a, opt, &f, palettes);
-    fitted_destroy(&f);
     return status;
 }
 
 static iso_status make_all(const iso_palette_arguments *a, iso_error *err)
 {
     iso_palette_options opt;
-    iso_pyramid p = {0};
-    iso_status status = to_options(a, &opt, err);
-    if (status != ISO_OK)
-        return status;
+    OWNED(iso_pyramid) p = {0};
+    NEED(to_options(a, &opt, err));
     const char *path = a->cli->arguments[0];
     bool is_pyramid = iso_pyramid_is_one(path);
     if ((a->per_level || a->level >= 0) && !is_pyramid)
         return iso_fail(err, ISO_E_USAGE, "--level and --per-level need a pyramid");
     if (is_pyramid)
-        status = iso_pyramid_load(path, &p, err);
-    if (status == ISO_OK && is_pyramid && a->level >= (int)p.level_count)
-        status = iso_fail(err, ISO_E_USAGE, "--level is %d, %s has the levels 0 to %zu", a->level, path,
-                          p.level_count - 1);
-    json_t *palettes = json_array();
-    for (size_t k = 0; status == ISO_OK && k < (a->per_level ? p.level_count : 1); ++k)
-        status = make_one(a, &opt, is_pyramid ? &p : NULL, a->per_level ? (long)k : a->level, palettes, err);
-    if (status == ISO_OK && a->cli->json) {
+        NEED(iso_pyramid_load(path, &p, err));
+    if (is_pyramid && a->level >= (int)p.level_count)
+        return iso_fail(err, ISO_E_USAGE, "--level is %d, %s has the levels 0 to %zu", a->level, path,
+                        p.level_count - 1);
+    json_auto_t *palettes = json_array();
+    for (size_t k = 0; k < (a->per_level ? p.level_count : 1); ++k)
+        NEED(make_one(a, &opt, is_pyramid ? &p : NULL, a->per_level ? (long)k : a->level, palettes, err));
+    if (a->cli->json) {
         json_t *root = iso_cli_json(a->cli);
         json_object_set_new(json_object_get(root, "options"), "seed", json_integer(a->seed));
         json_object_set(root, "palettes", palettes);
         iso_cli_print_json(root);
     }
-    json_decref(palettes);
-    iso_pyramid_destroy(&p);
-    return status;
+    return ISO_OK;
 }
 
 static const iso_option options[] = {

@@ -40,7 +40,7 @@ typedef struct plan_update {
 static iso_status bake_both(const iso_brick_field *older, const uint8_t *older_drawn, const iso_brick_field *newer,
                             const uint8_t *drawn, int threads, plan_update *u, iso_error *err)
 {
-    iso_brick_store store = {0}, scratch = {0};
+    OWNED(iso_brick_store) store = {0}, scratch = {0};
     iso_status status = iso_brick_store_update(&store, older, older_drawn, threads, NULL, err);
     double start = iso_clock_seconds();
     TRY(status, iso_brick_store_update(&store, newer, drawn, threads, &u->baked_count, err));
@@ -51,33 +51,25 @@ static iso_status bake_both(const iso_brick_field *older, const uint8_t *older_d
     u->equal = status == ISO_OK && iso_brick_store_equal(&store, &scratch, newer->nodes);
     if (status == ISO_OK && !u->equal)
         status = iso_fail(err, ISO_E_UNTRUSTED, "plan: the updated bricks differ from a full bake");
-    iso_brick_store_destroy(&scratch);
-    iso_brick_store_destroy(&store);
     return status;
 }
 
 static iso_status update_from(const plan_arguments *a, const iso_planner *p, int threads, plan_update *u,
                               iso_error *err)
 {
-    iso_plan_file old;
+    OWNED(iso_plan_file) old = {0};
     *u = (plan_update){0};
     if (!a->update)
         return ISO_OK;
-    iso_status status = iso_plan_file_load(a->update, &old, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_plan_file_load(a->update, &old, err));
     if (old.brick_voxels != p->nodes->brick_voxels || memcmp(old.count, p->nodes->count, sizeof old.count) != 0 ||
         old.level_count > p->nodes->level_count)
-        status = iso_fail(err, ISO_E_RANGE, "%s: the plan has other bricks; use the same volume, --brick and --levels",
-                          a->update);
-    if (status == ISO_OK) {
-        const iso_brick_field older = {p->nodes, old.levels, p->faces}, newer = {p->nodes, p->best.levels, p->faces};
-        for (size_t i = 0; i < p->plan.brick_count; ++i)
-            u->changed_count += old.drawn[i] != p->best.drawn[i] || old.levels[i] != p->best.levels[i];
-        status = bake_both(&older, old.drawn, &newer, p->best.drawn, threads, u, err);
-    }
-    iso_plan_file_destroy(&old);
-    return status;
+        return iso_fail(err, ISO_E_RANGE, "%s: the plan has other bricks; use the same volume, --brick and --levels",
+                        a->update);
+    const iso_brick_field older = {p->nodes, old.levels, p->faces}, newer = {p->nodes, p->best.levels, p->faces};
+    for (size_t i = 0; i < p->plan.brick_count; ++i)
+        u->changed_count += old.drawn[i] != p->best.drawn[i] || old.levels[i] != p->best.levels[i];
+    return bake_both(&older, old.drawn, &newer, p->best.drawn, threads, u, err);
 }
 
 /* ---- the report ------------------------------------------------------------------ */
@@ -140,28 +132,24 @@ static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, iso_no
 {
     iso_progress progress = iso_cli_progress(cli);
     const iso_brick_faces faces = a->faces && strcmp(a->faces, "own") == 0 ? ISO_FACES_OWN : ISO_FACES_BAKED;
-    iso_planner p;
+    OWNED(iso_planner) p = {0};
     plan_update update;
     NEED(iso_planner_create(&p, nodes, &(iso_planner_options){views, view_count, faces, cli->threads}, &progress, err));
-    iso_status status = iso_planner_search(&p, a->error, a->memory == NO_MEMORY ? 0 : a->memory, &progress, err);
-    TRY(status, update_from(a, &p, cli->threads, &update, err));
-    if (status == ISO_OK && a->image)
-        status = iso_image_save(&p.best.image, a->image, NULL, err);
-    if (status == ISO_OK && a->full_image)
-        status = iso_image_save(&p.full[0], a->full_image, NULL, err);
-    TRY(status, report(&p, a, &update, cli, err));
-    iso_planner_destroy(&p);
-    return status;
+    NEED(iso_planner_search(&p, a->error, a->memory == NO_MEMORY ? 0 : a->memory, &progress, err));
+    NEED(update_from(a, &p, cli->threads, &update, err));
+    if (a->image)
+        NEED(iso_image_save(&p.best.image, a->image, NULL, err));
+    if (a->full_image)
+        NEED(iso_image_save(&p.full[0], a->full_image, NULL, err));
+    return report(&p, a, &update, cli, err);
 }
 
 static iso_status check(const plan_arguments *a, iso_error *err)
 {
-    iso_status status = iso_words_check_range("--error", a->error, 1e-6, 1, err);
-    if (status == ISO_OK && a->image)
-        status = iso_image_check_name("--image", a->image, err);
-    if (status == ISO_OK && a->full_image)
-        status = iso_image_check_name("--full-image", a->full_image, err);
-    return status;
+    NEED(iso_words_check_range("--error", a->error, 1e-6, 1, err));
+    if (a->image)
+        NEED(iso_image_check_name("--image", a->image, err));
+    return a->full_image ? iso_image_check_name("--full-image", a->full_image, err) : ISO_OK;
 }
 
 /* Warns of the first view that shows almost nothing; other views show the same volume. */
@@ -178,7 +166,7 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     iso_progress progress = iso_cli_progress(cli);
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid pyramid = {0};
+    OWNED(iso_pyramid) pyramid = {0};
     iso_node_levels nodes = {0};
     iso_view *views = NULL;
     iso_subject_look look;
@@ -198,7 +186,6 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     TRY(status, plan_views(a, cli, &nodes, views, view_count, err));
     iso_node_levels_destroy(&nodes);
     iso_planner_destroy_views(views, view_count);
-    iso_pyramid_destroy(&pyramid);
     return status;
 }
 

@@ -23,7 +23,7 @@ typedef struct report_arguments {
 /* Adds command, options and paths for the page and --json; the heading has the names in the reports. */
 static void describe(const iso_cli *cli, const report_arguments *a, const iso_report_source of[2], json_t *d)
 {
-    char *line = iso_cli_command_line(cli);
+    FREED char *line = iso_cli_command_line(cli);
     for (int i = 0; i < 2; ++i)
         json_object_set_new(json_object_get(d, i ? "b" : "a"), "path", json_string(iso_provenance_name(of[i].path)));
     json_object_set_new(d, "command", json_string(line ? line : ""));
@@ -33,7 +33,6 @@ static void describe(const iso_cli *cli, const report_arguments *a, const iso_re
     const char *names[2] = {iso_provenance_name(of[0].path), iso_provenance_name(of[1].path)};
     json_object_set_new(d, "title",
                         names[0][0] ? json_sprintf("%s and %s", names[0], names[1]) : json_string("two reports"));
-    free(line);
 }
 
 static iso_status write_files(const report_arguments *a, const json_t *d, const json_t *inlined, iso_error *err)
@@ -62,10 +61,8 @@ static char *text_of(const json_t *value)
 /* Prints "    rmse: 0.001 -> 0.002". */
 static void print_values(const char *before, const json_t *a, const json_t *b)
 {
-    char *from = text_of(a), *to = text_of(b);
+    FREED char *from = text_of(a), *to = text_of(b);
     printf("%s: %s -> %s\n", before, from ? from : "", to ? to : "");
-    free(from);
-    free(to);
 }
 
 static void print_text(const json_t *d)
@@ -128,7 +125,7 @@ static void print(const iso_cli *cli, const report_arguments *a, json_t *d)
 
 static iso_status diff(const iso_cli *cli, const report_arguments *a, const iso_report_source of[2], iso_error *err)
 {
-    json_t *d = NULL, *inlined = json_pack("{s:{}, s:{}}", "images", "differences");
+    json_auto_t *d = NULL, *inlined = json_pack("{s:{}, s:{}}", "images", "differences");
     iso_status verdict = ISO_OK,
                status = iso_difference_of(of[0].root, of[1].root, a->results_only || a->worse, a->factor, &d, err);
     if (status == ISO_OK) {
@@ -141,8 +138,6 @@ static iso_status diff(const iso_cli *cli, const report_arguments *a, const iso_
     }
     if (status == ISO_OK)
         print(cli, a, d);
-    json_decref(d);
-    json_decref(inlined);
     return status == ISO_OK ? verdict : status;
 }
 
@@ -178,7 +173,7 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     const report_arguments *a = values;
     iso_report_source b = {0};
-    json_t *rows = NULL;
+    json_auto_t *rows = NULL;
     if (strcmp(cli->arguments[0], "diff") != 0)
         return iso_fail(err, ISO_E_USAGE, "unknown subcommand \"%s\"; try: report diff A B", cli->arguments[0]);
     if (cli->argument_count != 3)
@@ -192,7 +187,6 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
     if (a->accept)
         TRY(status, accept(cli, cli->arguments[1], rows, err));
     iso_report_source_close(&b);
-    json_decref(rows);
     return status;
 }
 

@@ -115,9 +115,10 @@ static const char *name_of_view(const sheet *s, size_t view)
 static char *command_of(const sheet *s, size_t tf, size_t view, size_t level)
 {
     const scenes_arguments *a = s->arguments;
-    char number[16], *text = NULL, *input = iso_volume_input_line(&a->input);
+    char number[16], *text = NULL;
+    FREED char *input = iso_volume_input_line(&a->input);
     const iso_cli_look asked = look_of(s, tf, view, number);
-    char *look = iso_cli_look_line(&asked);
+    FREED char *look = iso_cli_look_line(&asked);
     size_t size = 0;
     FILE *f = look ? open_memstream(&text, &size) : NULL;
     if (f) {
@@ -132,8 +133,6 @@ static char *command_of(const sheet *s, size_t tf, size_t view, size_t level)
         iso_words_put_quoted(f, name);
         fclose(f);
     }
-    free(input);
-    free(look);
     return text;
 }
 
@@ -169,60 +168,51 @@ static iso_status draw_one(sheet *s, size_t tf, size_t view, const iso_view *v, 
 {
     iso_render_options opt = iso_render_defaults(iso_renderers_usual());
     iso_progress silent = {0};
-    iso_image image = {0};
+    OWNED(iso_image) image = {0};
     opt.threads = s->arguments->cli->threads;
     opt.once = true;
     iso_renderers_choose(&s->pyramid, v, &opt);
     const size_t level = level_for(&s->pyramid, v);
     const iso_render_request request = {&s->renderers, &s->pyramid, level, v, &opt, &silent};
-    iso_status status = iso_render_with(&request, &image, NULL, err);
-    char *command = command_of(s, tf, view, level), *label = NULL;
+    NEED(iso_render_with(&request, &image, NULL, err));
+    FREED char *command = command_of(s, tf, view, level), *label = NULL;
     if (asprintf(&label, "%s, %s", name_of_tf(s, tf), name_of_view(s, view)) < 0)
         label = NULL;
-    if (status == ISO_OK)
-        status = command && label ? iso_contact_sheet_add(&s->pictures, &image, label, command, err)
-                                  : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
-    free(command);
-    free(label);
-    iso_image_destroy(&image);
-    return status;
+    return command && label ? iso_contact_sheet_add(&s->pictures, &image, label, command, err)
+                            : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
 }
 
 /* Draws one transfer function from all sides. One that shows nothing is left out, and noted. */
 static iso_status draw_tf(sheet *s, size_t tf, iso_error *err)
 {
     char why[1024];
-    iso_status status = ISO_OK;
     s->visible = (iso_scene_part){0};
-    for (size_t i = 0; i < s->view_count && status == ISO_OK; ++i) {
-        iso_view view;
-        status = view_of(s, tf, i, &view, err);
-        if (status == ISO_OK && i == 0) {
+    for (size_t i = 0; i < s->view_count; ++i) {
+        OWNED(iso_view) view = {0};
+        NEED(view_of(s, tf, i, &view, err));
+        if (i == 0) {
             const iso_visible visible = iso_visible_measure(&s->pyramid.levels[0], &view, NULL,
                                                             s->arguments->cli->threads);
             if (iso_visible_complaint(&visible, s->arguments->cli->arguments[0], why, sizeof why)) {
                 json_array_append_new(s->left_out, json_pack("{s:s, s:s}", "tf", name_of_tf(s, tf), "why", why));
-                iso_view_destroy(&view);
                 return ISO_OK;
             }
         }
-        TRY(status, draw_one(s, tf, i, &view, err));
-        iso_view_destroy(&view);
+        NEED(draw_one(s, tf, i, &view, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status draw_all(sheet *s, const iso_progress *progress, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t t = 0; t < s->tf_count && status == ISO_OK; ++t) {
+    for (size_t t = 0; t < s->tf_count; ++t) {
         iso_progress_report(progress, "pictures", (double)t / (double)s->tf_count);
-        status = draw_tf(s, t, err);
+        NEED(draw_tf(s, t, err));
     }
-    if (status == ISO_OK && s->pictures.count == 0)
-        status = iso_fail(err, ISO_E_RANGE, "none of the transfer functions shows anything; %s: %s", name_of_tf(s, 0),
-                          json_string_value(json_object_get(json_array_get(s->left_out, 0), "why")));
-    return status;
+    if (s->pictures.count == 0)
+        return iso_fail(err, ISO_E_RANGE, "none of the transfer functions shows anything; %s: %s", name_of_tf(s, 0),
+                        json_string_value(json_object_get(json_array_get(s->left_out, 0), "why")));
+    return ISO_OK;
 }
 
 /* Returns "sheet.json" for "sheet.png"; to be freed. */
@@ -234,48 +224,40 @@ static char *json_path(const char *output)
 
 static iso_status save_json(const sheet *s, const json_t *root, iso_error *err)
 {
-    char *path = json_path(s->arguments->output);
-    const iso_status status = path ? iso_json_save(path, root, err)
-                                   : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
-    free(path);
-    return status;
+    FREED char *path = json_path(s->arguments->output);
+    return path ? iso_json_save(path, root, err) : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
 }
 
 /* True if a file lists the pictures of a sheet, as report() writes it. */
 static bool is_of_a_sheet(const char *path)
 {
-    json_t *root = NULL;
+    json_auto_t *root = NULL;
     const bool found = iso_json_load(path, &root, NULL) == ISO_OK && json_object_get(root, "sheet") &&
                        json_object_get(root, "pictures");
-    json_decref(root);
     return found;
 }
 
 static iso_status guard_json(const char *output, iso_error *err)
 {
-    char *path = json_path(output);
-    iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
-    TRY(status, iso_stamp_guard_adjacent(path, is_of_a_sheet(path), err));
-    free(path);
-    return status;
+    FREED char *path = json_path(output);
+    NEED(path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory"));
+    return iso_stamp_guard_adjacent(path, is_of_a_sheet(path), err);
 }
 
 static iso_status report(const sheet *s, iso_error *err)
 {
     const scenes_arguments *a = s->arguments;
-    json_t *root = iso_cli_json(a->cli), *left_out;
+    json_t *left_out;
+    json_auto_t *root = iso_cli_json(a->cli);
     size_t i;
     json_object_set_new(root, "sheet", json_string(a->output));
     json_object_set_new(root, "pictures", iso_contact_sheet_to_json(&s->pictures));
     json_object_set(root, "left_out", s->left_out);
-    iso_status status = save_json(s, root, err);
-    if (a->cli->json && status == ISO_OK) {
-        iso_cli_print_json(root);
+    NEED(save_json(s, root, err));
+    if (a->cli->json) {
+        iso_cli_print_json(json_incref(root));
         return ISO_OK;
     }
-    json_decref(root);
-    if (status != ISO_OK)
-        return status;
     for (i = 0; i < s->pictures.count; ++i)
         printf("%2zu  %s\n", i + 1, s->pictures.panels[i].command);
     json_array_foreach (s->left_out, i, left_out)

@@ -100,10 +100,10 @@ static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_adapt_options opt;
-    iso_pyramid p = {0};
-    iso_joint joint = {0};
+    OWNED(iso_pyramid) p = {0};
+    OWNED(iso_joint) joint = {0};
     iso_subject_look look;
-    iso_tf_table table = {0};
+    OWNED(iso_tf_table) table = {0};
     double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1] = {{0}};
     if (a->cli->argument_count != 2 || a->level < 1)
         return iso_fail(err, ISO_E_USAGE,
@@ -111,23 +111,18 @@ static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
     const char *input = a->cli->arguments[1];
     build.threads = a->cli->threads;
     build.level_count = (size_t)a->level + 1;
-    iso_status status = iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err);
-    TRY(status, iso_cli_look_check(&a->look, a->cli->threads, &look, err));
-    TRY(status, iso_cli_tf_load_subject(a, &look, false, &build, &p, err));
-    TRY(status, iso_cli_tf_tabulate(&look, &p, &table, err));
-    if (status == ISO_OK)
-        status = iso_joint_obtain(&p, iso_pyramid_is_one(input) ? input : NULL,
-                                  &(iso_joint_key){(size_t)a->level, opt.bits, ISO_SECOND_VALUE_NONE}, opt.threads,
-                                  &joint, err);
-    TRY(status, measure_triangle(&joint, &opt, &table, &p.levels[0].geometry, (size_t)a->level, rms, err));
-    if (status == ISO_OK && a->output)
-        status = iso_gnuplot_picture(a->output, 640, 480, write_triangle, &(triangle_picture){a, rms}, err);
-    if (status == ISO_OK)
-        print_triangle(a, rms);
-    iso_joint_destroy(&joint);
-    iso_tf_table_destroy(&table);
-    iso_pyramid_destroy(&p);
-    return status;
+    NEED(iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err));
+    NEED(iso_cli_look_check(&a->look, a->cli->threads, &look, err));
+    NEED(iso_cli_tf_load_subject(a, &look, false, &build, &p, err));
+    NEED(iso_cli_tf_tabulate(&look, &p, &table, err));
+    NEED(iso_joint_obtain(&p, iso_pyramid_is_one(input) ? input : NULL,
+                          &(iso_joint_key){(size_t)a->level, opt.bits, ISO_SECOND_VALUE_NONE}, opt.threads, &joint,
+                          err));
+    NEED(measure_triangle(&joint, &opt, &table, &p.levels[0].geometry, (size_t)a->level, rms, err));
+    if (a->output)
+        NEED(iso_gnuplot_picture(a->output, 640, 480, write_triangle, &(triangle_picture){a, rms}, err));
+    print_triangle(a, rms);
+    return ISO_OK;
 }
 
 static iso_status bound(const iso_tf_arguments *a, iso_error *err)

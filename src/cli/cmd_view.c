@@ -40,7 +40,7 @@ typedef struct view_plan {
 /* Reads the planner's predicted and measured errors, which other plans may omit. */
 static iso_status read_errors(const char *path, iso_viewer_plan *page, iso_error *err)
 {
-    json_t *root = NULL;
+    json_auto_t *root = NULL;
     const iso_status status = iso_json_load(path, &root, err);
     const char *const keys[] = {"predicted_rmse", "measured_rmse"};
     double *const values[] = {&page->predicted_rmse, &page->measured_rmse};
@@ -48,7 +48,6 @@ static iso_status read_errors(const char *path, iso_viewer_plan *page, iso_error
         const json_t *value = json_object_get(root, keys[i]);
         *values[i] = json_is_number(value) ? json_number_value(value) : NAN;
     }
-    json_decref(root);
     return status;
 }
 
@@ -77,33 +76,31 @@ static void close_plan(view_plan *plan)
 
 static iso_status take_codes(const view_arguments *a, const iso_pyramid_options *build, iso_viewer *v, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    char *list = strdup(a->codes ? a->codes : iso_code_describe(build->code)->name), *rest = list;
+    FREED char *list = strdup(a->codes ? a->codes : iso_code_describe(build->code)->name);
+    char *rest = list;
     if (!list)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     v->code_count = 0;
-    for (char *name; (name = strsep(&rest, ",")) && status == ISO_OK;) {
+    for (char *name; (name = strsep(&rest, ","));) {
         if (strcmp(name, "none") == 0 && !rest && v->code_count == 0)
             break;
         if (v->code_count == ISO_VIEWER_CODES)
-            status = iso_fail(err, ISO_E_USAGE, "--code: more than %d codes", ISO_VIEWER_CODES);
+            return iso_fail(err, ISO_E_USAGE, "--code: more than %d codes", ISO_VIEWER_CODES);
         else if (iso_code_from_name(name, &v->codes[v->code_count], err) != ISO_OK)
-            status = iso_fail_in(err, ISO_E_USAGE, "--code");
+            return iso_fail_in(err, ISO_E_USAGE, "--code");
         else if (!iso_code_describe(v->codes[v->code_count])->is_textured)
-            status = iso_fail(err, ISO_E_USAGE, "--code %s: a page needs a code that textures can filter", name);
+            return iso_fail(err, ISO_E_USAGE, "--code %s: a page needs a code that textures can filter", name);
         else
             ++v->code_count;
     }
-    free(list);
-    return status;
+    return ISO_OK;
 }
 
 /* Chooses the levels of the page: from the finest that is small enough, or the requested one, to a thumbnail. */
 static iso_status choose_levels(const view_arguments *a, const iso_pyramid *p, iso_viewer *v, iso_error *err)
 {
-    const iso_status status = a->level >= 0 ? iso_pyramid_check_level(p, NULL, (size_t)a->level, err) : ISO_OK;
-    if (status != ISO_OK)
-        return status;
+    if (a->level >= 0)
+        NEED(iso_pyramid_check_level(p, NULL, (size_t)a->level, err));
     v->first = a->level >= 0 ? (size_t)a->level : iso_viewer_finest_level(p, a->most);
     if (a->plan && v->first == 0)
         v->first = 1; /* the plan replaces level 0 */
@@ -168,18 +165,18 @@ static void report(const view_arguments *a, const iso_cli *cli, const iso_viewer
 
 static iso_status check(const view_arguments *a, iso_error *err)
 {
-    iso_status status = ISO_OK;
     if (!a->output)
-        status = iso_fail(err, ISO_E_USAGE, "-o is missing: page to write, .html");
-    if (status == ISO_OK && a->plan && a->level == 0)
-        status = iso_fail(err, ISO_E_USAGE, "--plan and --level 0 exclude each other: the plan replaces level 0");
-    return status;
+        return iso_fail(err, ISO_E_USAGE, "-o is missing: page to write, .html");
+    if (a->plan && a->level == 0)
+        return iso_fail(err, ISO_E_USAGE, "--plan and --level 0 exclude each other: the plan replaces level 0");
+    return ISO_OK;
 }
 
 /* Returns the volume's file and the options that read it, as words of a command line. NULL: out of memory. */
 static char *input_line(const char *path, const iso_volume_input *input)
 {
-    char *options = iso_volume_input_line(input), *names = options ? iso_provenance_line(options) : NULL, *line = NULL;
+    char *line = NULL;
+    FREED char *options = iso_volume_input_line(input), *names = options ? iso_provenance_line(options) : NULL;
     size_t size = 0;
     FILE *f = names ? open_memstream(&line, &size) : NULL;
     if (f) {
@@ -190,8 +187,6 @@ static char *input_line(const char *path, const iso_volume_input *input)
         fputs(names, f);
         fclose(f);
     }
-    free(options);
-    free(names);
     return line;
 }
 
@@ -213,8 +208,8 @@ static iso_status load(const view_arguments *a, const char *path, const iso_pyra
                        const iso_progress *progress, iso_viewer *v, iso_pyramid *p, iso_error *err)
 {
     const double most = fmax(a->most, (double)ISO_SMALL_VIEWS_MAX_VOXELS);
-    iso_pyramid outline = {0};
-    iso_subject_coarse coarse;
+    OWNED(iso_pyramid) outline = {0};
+    OWNED(iso_subject_coarse) coarse = {0};
     if (a->plan || a->adapted || a->errors || a->level == 0)
         return iso_subject_load_pyramid(path, &a->input, build, progress, p, err);
     iso_status status = iso_subject_load_coarse(path, &a->input, build, most, progress, p, &coarse, err);
@@ -222,8 +217,6 @@ static iso_status load(const view_arguments *a, const char *path, const iso_pyra
         outline = *p;
         status = iso_pyramid_load_from(coarse.folder, v->first, p, err);
     }
-    iso_pyramid_destroy(&outline);
-    iso_subject_coarse_destroy(&coarse);
     return status;
 }
 
@@ -250,13 +243,14 @@ static iso_status load_overlay(const view_arguments *a, const iso_progress *prog
 static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *err)
 {
     const char *path = cli->arguments[0];
-    char *input = input_line(path, &a->input), value_unit[ISO_VALUE_UNIT_BYTES] = "";
+    char value_unit[ISO_VALUE_UNIT_BYTES] = "";
+    FREED char *input = input_line(path, &a->input);
     const bool is_pyramid = iso_pyramid_is_one(path);
     const iso_cli_stage stages[] = {{"pyramid", 1}, {"pack", 3}};
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid pyramid = {0}, overlay = {0};
-    iso_scene scene = {0};
+    OWNED(iso_pyramid) pyramid = {0}, overlay = {0};
+    OWNED(iso_scene) scene = {0};
     iso_subject_look look;
     iso_viewer v = {.pyramid = &pyramid,
                     .scene = &scene,
@@ -302,10 +296,6 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     if (status == ISO_OK)
         report(a, cli, &v, &size);
     close_plan(&plan);
-    iso_scene_destroy(&scene);
-    iso_pyramid_destroy(&overlay);
-    iso_pyramid_destroy(&pyramid);
-    free(input);
     return status;
 }
 

@@ -167,21 +167,19 @@ static void put_bash_values(void *user, const struct poptOption *o, bool is_comm
     (void)is_common;
     if (!o->argDescrip)
         return;
-    char *values = values_of(w->command, o);
+    FREED char *values = values_of(w->command, o);
     fprintf(w->f, "    '%s --%s'", w->command->name, o->longName);
     if (o->shortName)
         fprintf(w->f, " | '%s -%c'", w->command->name, o->shortName);
     fprintf(w->f, ") values='%s' takes=1 ;;\n", values ? values : "");
-    free(values);
 }
 
 static void put_bash_command(FILE *f, const iso_command *c)
 {
-    char *actions = listed_actions(c);
+    FREED char *actions = listed_actions(c);
     fprintf(f, "    '%s') actions='%s' options='", c->name, actions ? actions : "");
     iso_cli_visit_options(c, put_bash_option, f);
     fputs("' ;;\n", f);
-    free(actions);
 }
 
 static void put_bash_names(FILE *f, const iso_command *const *list, size_t skip)
@@ -278,28 +276,26 @@ static void put_zsh_option(void *user, const struct poptOption *o, bool is_commo
     put_zsh_text(f, o->descrip ? o->descrip : "");
     fputc(']', f);
     if (o->argDescrip) {
-        char *values = values_of(w->command, o);
+        FREED char *values = values_of(w->command, o);
         fputc(':', f);
         put_zsh_text(f, o->argDescrip);
         if (values)
             fprintf(f, ":(%s)", values);
         else
             fputs(strncmp(o->argDescrip, "DIR", 3) == 0 ? ":_files -/" : ":_files", f);
-        free(values);
     }
     fputc('\'', f);
 }
 
 static void put_zsh_command(FILE *f, const iso_command *c)
 {
-    char *actions = listed_actions(c);
+    FREED char *actions = listed_actions(c);
     fprintf(f, "    '%s')\n        _arguments -s", c->name);
     value_writer w = {f, c};
     iso_cli_visit_options(c, put_zsh_option, &w);
     if (actions)
         fprintf(f, " \\\n            '1:action:(%s)'", actions);
     fputs(" \\\n            '*:file:_files' ;;\n", f);
-    free(actions);
 }
 
 static void put_zsh_names(FILE *f, const iso_command *const *list, size_t skip)

@@ -109,7 +109,7 @@ iso_status iso_contact_sheet_draw(iso_contact_sheet *s, size_t group, const char
 {
     mosaic m = {.sheet = s, .title = title, .columns = choose_columns(s, group)};
     const size_t rows = (s->count + m.columns - 1) / m.columns;
-    char *dir = iso_make_temp_dir(), *raw = dir ? iso_path_join(dir, "sheet.raw") : NULL;
+    FREED char *dir = iso_make_temp_dir(), *raw = dir ? iso_path_join(dir, "sheet.raw") : NULL;
     m.raw = raw;
     m.rgb = malloc(3 * (m.columns * (s->side + 1 + GAP) + GAP) * (HEAD + rows * (s->side + 1 + LABEL + GAP)));
     iso_status status = ISO_OK;
@@ -124,8 +124,6 @@ iso_status iso_contact_sheet_draw(iso_contact_sheet *s, size_t group, const char
     TRY(status, iso_gnuplot_picture(output, (double)m.width / 2, (double)m.height / 2, write_sheet, &m, err));
     if (dir)
         iso_remove_tree(dir);
-    free(dir);
-    free(raw);
     free(m.rgb);
     return status;
 }
@@ -135,11 +133,10 @@ json_t *iso_contact_sheet_to_json(const iso_contact_sheet *s)
     json_t *list = json_array();
     for (size_t i = 0; i < s->count; ++i) {
         const struct iso_contact_panel *p = &s->panels[i];
-        char *command = iso_provenance_line(p->command);
+        FREED char *command = iso_provenance_line(p->command);
         json_array_append_new(list, json_pack("{s:I, s:s, s:s, s:I, s:I, s:I}", "number", (json_int_t)(i + 1), "label",
                                               p->label, "command", command ? command : "", "left", (json_int_t)p->left,
                                               "top", (json_int_t)p->top, "size", (json_int_t)s->side));
-        free(command);
     }
     return list;
 }

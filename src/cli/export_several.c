@@ -86,12 +86,11 @@ static iso_status add_channel(several_job *job, const char *channel, iso_error *
 static iso_status count_channels(const iso_export_several *a, size_t *count, iso_error *err)
 {
     iso_volume_input input = *a->input;
-    iso_volume_source *source = NULL;
+    ENDED_BY(iso_source_close_owned) iso_volume_source *source = NULL;
     char first[] = "0";
     input.channel = first;
     iso_status status = iso_volume_input_open(a->cli->arguments[0], &input, &source, err);
     *count = status == ISO_OK ? iso_source_volume(source)->notes.channel_count : 0;
-    iso_source_close(source);
     return status == ISO_OK && *count < 2
                ? iso_fail(err, ISO_E_USAGE, "%s: has one channel; --channels needs several", a->cli->arguments[0])
                : status;
@@ -121,11 +120,9 @@ static iso_status add_channels(several_job *job, iso_error *err)
 static iso_status add_other(several_job *job, const char *text, iso_error *err)
 {
     const char *comma = iso_path_exists(text) ? NULL : strrchr(text, ',');
-    char *path = comma ? strndup(text, (size_t)(comma - text)) : strdup(text);
-    iso_status status = path ? add(job, path, comma ? comma + 1 : NULL, NULL, name_of_volume(path), err)
-                             : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    free(path);
-    return status;
+    FREED char *path = comma ? strndup(text, (size_t)(comma - text)) : strdup(text);
+    return path ? add(job, path, comma ? comma + 1 : NULL, NULL, name_of_volume(path), err)
+                : iso_fail(err, ISO_E_MEMORY, "out of memory");
 }
 
 static void color_points(iso_tf *tf, const double color[3])

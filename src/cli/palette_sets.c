@@ -11,7 +11,7 @@
 static iso_status opacity_weights(const iso_palette_arguments *a, const iso_tf *tf, const iso_geometry *g,
                                   const double range[2], iso_palette_weighting *w, float **table, iso_error *err)
 {
-    iso_tf_table t = {0};
+    OWNED(iso_tf_table) t = {0};
     NEED(iso_tf_tabulate(tf, range[0], range[1], g, &t, err));
     *table = malloc(t.count * sizeof **table);
     double length = iso_geometry_mean_spacing_mm(g);
@@ -21,10 +21,7 @@ static iso_status opacity_weights(const iso_palette_arguments *a, const iso_tf *
     w->by_value_count = t.count;
     w->by_value_lo = t.lo;
     w->by_value_hi = t.hi;
-    iso_status status = *table ? ISO_OK
-                               : iso_fail(err, ISO_E_MEMORY, "%s: out of memory for %zu weights", a->tf, t.count);
-    iso_tf_table_destroy(&t);
-    return status;
+    return !(*table) ? iso_fail(err, ISO_E_MEMORY, "%s: out of memory for %zu weights", a->tf, t.count) : ISO_OK;
 }
 
 /* Reads the set of a volume's directions. Plain counts need one pass over the file and little memory; weights first
@@ -38,8 +35,8 @@ iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *pa
     iso_direction_pool *pool = NULL;
     iso_volume_source *source = NULL;
     iso_volume v = {0};
-    iso_tf tf = {0};
-    float *table = NULL;
+    OWNED(iso_tf) tf = {0};
+    FREED float *table = NULL;
     gradient.threads = a->cli->threads;
     iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
     if (status == ISO_OK && !a->tf && !a->by_magnitude) {
@@ -61,8 +58,6 @@ iso_status iso_palette_volume_set(const iso_palette_arguments *a, const char *pa
     iso_source_close(source);
     iso_volume_destroy(&v);
     iso_direction_pool_destroy(pool);
-    iso_tf_destroy(&tf);
-    free(table);
     return status;
 }
 
@@ -72,8 +67,8 @@ iso_status iso_palette_pyramid_set(const iso_palette_arguments *a, const iso_pyr
     const iso_level *finest = &p->levels[0];
     iso_palette_weighting w = {.by_magnitude = a->by_magnitude, .value_span = finest->max - finest->min};
     iso_direction_pool *pool = NULL;
-    iso_tf tf = {0};
-    float *table = NULL;
+    OWNED(iso_tf) tf = {0};
+    FREED float *table = NULL;
     iso_status status = iso_direction_pool_create(&pool, a->cli->threads, err);
     if (status == ISO_OK && a->tf)
         status = iso_tf_of_level(a->tf, &a->request, NULL, finest, a->cli->threads, &tf, err);
@@ -88,15 +83,12 @@ iso_status iso_palette_pyramid_set(const iso_palette_arguments *a, const iso_pyr
             break;
         }
         const float *directions;
-        float *owned;
+        FREED float *owned = NULL;
         status = iso_level_directions(l, p->options.code, &directions, &owned, err);
         TRY(status, iso_palette_sample_field(pool, directions, l->scalar, l->magnitude,
                                              iso_geometry_voxel_count(&l->geometry), &w, err));
-        free(owned);
     }
     TRY(status, iso_direction_pool_finish(pool, set, err));
     iso_direction_pool_destroy(pool);
-    iso_tf_destroy(&tf);
-    free(table);
     return status;
 }

@@ -64,17 +64,13 @@ static iso_status save(const iso_render_arguments *a, const iso_cli *cli, const 
                        iso_error *err)
 {
     const bool is_last = level == (size_t)a->level;
-    char *path = name_of(a->output, level, is_last), *png = a->png ? name_of(a->png, level, is_last) : NULL;
-    char *line = iso_cli_command_line(cli);
+    FREED char *path = name_of(a->output, level, is_last), *png = a->png ? name_of(a->png, level, is_last) : NULL;
+    FREED char *line = iso_cli_command_line(cli);
     const iso_image_note notes[] = {{"isoshade:command", line ? line : ""}, {NULL, NULL}};
-    iso_status status = path && (png || !a->png) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_image_save(image, path, notes, err));
-    if (status == ISO_OK && png)
-        status = iso_image_save_png(image, png, 1, err);
-    free(line);
-    free(path);
-    free(png);
-    return status;
+    if (!path || !(png || !a->png))
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED(iso_image_save(image, path, notes, err));
+    return png ? iso_image_save_png(image, png, 1, err) : ISO_OK;
 }
 
 static void report(const iso_cli *cli, const char *path, size_t level, const iso_paged_stats *s, json_t *frames)
@@ -116,28 +112,25 @@ static iso_status render_level(const iso_render_arguments *a, const iso_cli *cli
 
 iso_status iso_cli_render_paged(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
 {
-    iso_pyramid pyramid = {0};
-    iso_view view = {0};
-    json_t *frames = json_array();
-    iso_status status = check(a, cli, err);
-    TRY(status, iso_pyramid_load_outline(cli->arguments[0], &pyramid, err));
-    TRY(status, iso_pyramid_check_level(&pyramid, cli->arguments[0], (size_t)a->level, err));
-    if (status == ISO_OK && pyramid.levels[0].geometry.has_no_data && (a->level > 0 || a->refine))
-        status = iso_fail(err, ISO_E_RANGE,
-                          "%s: some voxels have no data, which --memory renders at level 0 alone; leave it out",
-                          cli->arguments[0]);
-    TRY(status, make_view(a, cli, &pyramid, &view, err));
+    OWNED(iso_pyramid) pyramid = {0};
+    OWNED(iso_view) view = {0};
+    json_auto_t *frames = json_array();
+    NEED(check(a, cli, err));
+    NEED(iso_pyramid_load_outline(cli->arguments[0], &pyramid, err));
+    NEED(iso_pyramid_check_level(&pyramid, cli->arguments[0], (size_t)a->level, err));
+    if (pyramid.levels[0].geometry.has_no_data && (a->level > 0 || a->refine))
+        return iso_fail(err, ISO_E_RANGE,
+                        "%s: some voxels have no data, which --memory renders at level 0 alone; leave it out",
+                        cli->arguments[0]);
+    NEED(make_view(a, cli, &pyramid, &view, err));
     const size_t last = (size_t)a->level, first = a->refine && pyramid.level_count ? pyramid.level_count - 1 : last;
-    for (size_t k = first + 1; k-- > last && status == ISO_OK;)
-        status = render_level(a, cli, &pyramid, &view, k, frames, err);
-    if (status == ISO_OK && cli->json) {
+    for (size_t k = first + 1; k-- > last;)
+        NEED(render_level(a, cli, &pyramid, &view, k, frames, err));
+    if (cli->json) {
         json_t *root = iso_cli_json(cli);
         json_object_set_new(root, "image", json_string(a->output));
         json_object_set(root, "frames", frames);
         iso_cli_print_json(root);
     }
-    json_decref(frames);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&pyramid);
-    return status;
+    return ISO_OK;
 }

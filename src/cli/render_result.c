@@ -20,16 +20,13 @@ iso_status iso_render_save(const iso_render_arguments *a, const iso_cli *cli, co
 {
     char step[32];
     snprintf(step, sizeof step, isfinite(step_voxels) ? "%g" : "none", step_voxels);
-    char *line = iso_cli_command_line(cli);
+    FREED char *line = iso_cli_command_line(cli);
     const iso_image_note notes[] = {{"isoshade:command", line ? line : ""},
                                     {"isoshade:renderer", version},
                                     {"isoshade:stepVoxels", step},
                                     {NULL, NULL}};
-    iso_status status = iso_image_save(image, a->output, notes, err);
-    if (status == ISO_OK && a->png)
-        status = iso_image_save_png(image, a->png, 1, err);
-    free(line);
-    return status;
+    NEED(iso_image_save(image, a->output, notes, err));
+    return a->png ? iso_image_save_png(image, a->png, 1, err) : ISO_OK;
 }
 
 double iso_render_device_seconds(const iso_render_options *opt, iso_renderers *renderers)

@@ -30,22 +30,18 @@ static char *adapted_path(const iso_tf_arguments *a, size_t level)
 /* True for a transfer function as this command writes it. */
 static bool is_tf(const char *path)
 {
-    iso_tf tf = {0};
-    json_t *root = NULL;
+    OWNED(iso_tf) tf = {0};
+    json_auto_t *root = NULL;
     const bool is_one = iso_json_load(path, &root, NULL) == ISO_OK && iso_tf_from_json(root, path, &tf, NULL) == ISO_OK;
-    json_decref(root);
-    iso_tf_destroy(&tf);
     return is_one;
 }
 
 /* Refuses to replace a foreign file whose name was made from -o. */
 static iso_status guard_level(const iso_tf_arguments *a, size_t level, iso_error *err)
 {
-    char *path = adapted_path(a, level);
-    iso_status status = path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_stamp_guard_adjacent(path, is_tf(path), err));
-    free(path);
-    return status;
+    FREED char *path = adapted_path(a, level);
+    NEED(path ? iso_inputs_announce(path, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    return iso_stamp_guard_adjacent(path, is_tf(path), err);
 }
 
 static json_t *json_of_level(size_t level, const char *path, size_t entry_count, const iso_adapt_judgment *v)
@@ -107,15 +103,12 @@ static iso_status optimize(adapt_run *run, size_t level, iso_tf_table *table, is
     const iso_progress progress = iso_cli_progress(run->a->cli);
     const iso_optimize_options opt = {.effort = ISO_EFFORT_FAST, .seed = 1, .threads = run->a->cli->threads};
     iso_tf_table better = {0};
-    const iso_status status = iso_optimize_tf(&run->gate, level, run->scene,
-                                              &(iso_shown_level){&run->p->levels[level], table,
-                                                                 run->p->levels[level].scale},
-                                              &opt, &better, seen, &progress, err);
-    if (status == ISO_OK) {
-        iso_tf_table_destroy(table);
-        *table = better;
-    }
-    return status;
+    NEED(iso_optimize_tf(&run->gate, level, run->scene,
+                         &(iso_shown_level){&run->p->levels[level], table, run->p->levels[level].scale}, &opt, &better,
+                         seen, &progress, err));
+    iso_tf_table_destroy(table);
+    *table = better;
+    return ISO_OK;
 }
 
 static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
@@ -179,11 +172,9 @@ static iso_status tabulate(const iso_scene *scene, const iso_pyramid *p, iso_tf_
 
 iso_status iso_cli_tf_tabulate(const iso_subject_look *look, const iso_pyramid *p, iso_tf_table *table, iso_error *err)
 {
-    iso_scene scene;
-    iso_status status = iso_subject_make_scene(look, p, &scene, err);
-    TRY(status, tabulate(&scene, p, table, err));
-    iso_scene_destroy(&scene);
-    return status;
+    OWNED(iso_scene) scene = {0};
+    NEED(iso_subject_make_scene(look, p, &scene, err));
+    return tabulate(&scene, p, table, err);
 }
 
 /* Loads the pyramid, with all that its pictures need if they are drawn. */
@@ -235,11 +226,9 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
     iso_adapt_options checked;
     iso_scene scene = {0};
     iso_tf_table table = {0};
-    json_t *levels = json_array();
-    if (cli->argument_count != 2 || !a->output) {
-        json_decref(levels);
+    json_auto_t *levels = json_array();
+    if (cli->argument_count != 2 || !a->output)
         return iso_fail(err, ISO_E_USAGE, "usage: isoshade tf adapt VOLUME|PYRAMID.iso [--tf FILE|PRESET] -o OUT");
-    }
     build.threads = cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
     iso_cli_tf_expect_levels(cli);
@@ -265,7 +254,6 @@ iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
         json_object_set(root, "levels", levels);
         iso_cli_print_json(root);
     }
-    json_decref(levels);
     iso_tf_table_destroy(&table);
     iso_pyramid_destroy(&p);
     return status;

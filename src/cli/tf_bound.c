@@ -15,12 +15,12 @@ static iso_status bound_level(const iso_tf_bound_arguments *a, const iso_pyramid
 {
     const char *path = a->cli->arguments[1];
     iso_adapt_options opt;
-    iso_tf_table table = {0};
-    iso_status status = iso_cli_adapt_options(a->adapted, a->cli->threads, &opt, err);
+    OWNED(iso_tf_table) table = {0};
+    NEED(iso_cli_adapt_options(a->adapted, a->cli->threads, &opt, err));
     opt.folder = iso_pyramid_is_one(path) ? path : NULL;
-    TRY(status, iso_adapt_level(p, level, &view->tf, &opt, &table, NULL, err));
+    NEED(iso_adapt_level(p, level, &view->tf, &opt, &table, NULL, err));
     const iso_tf_table *tfs[2] = {&view->tf, &table};
-    for (int i = 0; i < 2 && status == ISO_OK; ++i) {
+    for (int i = 0; i < 2; ++i) {
         const iso_image_bound_input in = {.fine = &p->levels[0],
                                           .coarse = &p->levels[level],
                                           .level = level,
@@ -29,10 +29,9 @@ static iso_status bound_level(const iso_tf_bound_arguments *a, const iso_pyramid
                                           .view = view,
                                           .coarse_tf = tfs[i],
                                           .threads = a->cli->threads};
-        status = iso_image_bound_rmse(&in, &rmse[i], err);
+        NEED(iso_image_bound_rmse(&in, &rmse[i], err));
     }
-    iso_tf_table_destroy(&table);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status bound_levels(const iso_tf_bound_arguments *a, const iso_pyramid *p, const iso_view *view,
@@ -61,37 +60,31 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_progress progress = iso_cli_progress(a->cli);
-    iso_pyramid p = {0};
-    iso_view view = {0};
+    OWNED(iso_pyramid) p = {0};
+    OWNED(iso_view) view = {0};
     iso_subject_look look;
     iso_adapt_options checked;
-    json_t *levels = json_array();
+    json_auto_t *levels = json_array();
     iso_cli_tf_expect_levels(a->cli);
     build.threads = a->cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
-    iso_status status = a->cli->argument_count == 2
-                            ? ISO_OK
-                            : iso_fail(err, ISO_E_USAGE,
-                                       "usage: isoshade tf bound VOLUME|PYRAMID.iso [--scene FILE.scene.json]");
-    TRY(status, iso_cli_look_check(a->look, a->cli->threads, &look, err));
-    TRY(status, iso_cli_adapt_options(a->adapted, a->cli->threads, &checked, err));
-    TRY(status, iso_subject_load_pyramid(a->cli->arguments[1], a->input, &build, &progress, &p, err));
-    if (status == ISO_OK && p.levels[0].geometry.has_no_data)
-        status = iso_fail(err, ISO_E_RANGE, "%s: some voxels have no data, for which there is no bound",
-                          a->cli->arguments[1]);
-    TRY(status, iso_subject_refuse_labels(&p, a->cli->arguments[1], "the bound", err));
-    TRY(status, iso_pyramid_check_level(&p, a->cli->arguments[1], (size_t)a->level, err));
-    TRY(status, iso_subject_make_view(&look, &p, &view, err));
-    if (status == ISO_OK)
-        iso_cli_warn_view(a->cli, &p, &view, NULL, &(bool){false});
-    TRY(status, bound_levels(a, &p, &view, levels, err));
-    if (status == ISO_OK && a->cli->json) {
+    if (a->cli->argument_count != 2)
+        return iso_fail(err, ISO_E_USAGE, "usage: isoshade tf bound VOLUME|PYRAMID.iso [--scene FILE.scene.json]");
+    NEED(iso_cli_look_check(a->look, a->cli->threads, &look, err));
+    NEED(iso_cli_adapt_options(a->adapted, a->cli->threads, &checked, err));
+    NEED(iso_subject_load_pyramid(a->cli->arguments[1], a->input, &build, &progress, &p, err));
+    if (p.levels[0].geometry.has_no_data)
+        return iso_fail(err, ISO_E_RANGE, "%s: some voxels have no data, for which there is no bound",
+                        a->cli->arguments[1]);
+    NEED(iso_subject_refuse_labels(&p, a->cli->arguments[1], "the bound", err));
+    NEED(iso_pyramid_check_level(&p, a->cli->arguments[1], (size_t)a->level, err));
+    NEED(iso_subject_make_view(&look, &p, &view, err));
+    iso_cli_warn_view(a->cli, &p, &view, NULL, &(bool){false});
+    NEED(bound_levels(a, &p, &view, levels, err));
+    if (a->cli->json) {
         json_t *root = iso_cli_json(a->cli);
         json_object_set(root, "levels", levels);
         iso_cli_print_json(root);
     }
-    json_decref(levels);
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
-    return status;
+    return ISO_OK;
 }

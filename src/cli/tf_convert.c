@@ -107,20 +107,17 @@ static iso_status read_again(const iso_tf_format *format, const char *path, doub
 {
     const iso_geometry g = iso_geometry_axis_aligned((size_t[]){1, 1, 1},
                                                      (double[]){t->voxel_mm, t->voxel_mm, t->voxel_mm});
-    iso_tf_table again = {0};
-    iso_tf tf = {0};
+    OWNED(iso_tf_table) again = {0};
+    OWNED(iso_tf) tf = {0};
     iso_tf_request request = {0};
     if (!format->load)
         return ISO_OK;
     if (format->has_no_unit)
         request.unit_mm = unit_mm;
-    iso_status status = iso_tf_load_as(path, &request, &tf, err);
-    TRY(status, iso_tf_tabulate(&tf, t->table.lo, t->table.hi, &g, &again, err));
-    if (status == ISO_OK)
-        *loss = distance(&t->table, &again, unit_mm);
-    iso_tf_table_destroy(&again);
-    iso_tf_destroy(&tf);
-    return status;
+    NEED(iso_tf_load_as(path, &request, &tf, err));
+    NEED(iso_tf_tabulate(&tf, t->table.lo, t->table.hi, &g, &again, err));
+    *loss = distance(&t->table, &again, unit_mm);
+    return ISO_OK;
 }
 
 static json_t *loss_json(const iso_tf_loss *loss)
@@ -180,7 +177,7 @@ static iso_status check_known(const iso_tf_arguments *a, const iso_tf_format *fo
 iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
 {
     char written[256];
-    iso_cli_tf_table t;
+    OWNED(iso_cli_tf_table) t = {0};
     iso_tf_loss loss = {0};
     const char *output = output_of(a);
     if (!output)
@@ -193,15 +190,12 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "\"%s\" must end with %s", output,
                         iso_tf_format_written(written, sizeof written));
     NEED(iso_cli_tf_load_table(a, a->cli->arguments[1], &t, err));
-    iso_status status = check_known(a, format, &t.tf, err);
+    NEED(check_known(a, format, &t.tf, err));
     const double unit_mm = format->is_per_voxel ? t.voxel_mm : t.unit_mm;
-    if (status == ISO_OK)
-        status = format->save(&(iso_tf_output){&t.tf, &t.table, unit_mm}, output, err);
-    TRY(status, read_again(format, output, unit_mm, &t, &loss, err));
-    if (status == ISO_OK)
-        report(a, &t, format, unit_mm, &loss);
-    iso_cli_tf_table_destroy(&t);
-    return status;
+    NEED(format->save(&(iso_tf_output){&t.tf, &t.table, unit_mm}, output, err));
+    NEED(read_again(format, output, unit_mm, &t, &loss, err));
+    report(a, &t, format, unit_mm, &loss);
+    return ISO_OK;
 }
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
@@ -220,7 +214,7 @@ static void print_names_as_json(const iso_cli *cli, char *text)
 iso_status iso_cli_tf_names(const iso_tf_arguments *a, iso_error *err)
 {
     char *names = NULL;
-    iso_tf tf = {0};
+    OWNED(iso_tf) tf = {0};
     if (a->cli->argument_count != 2)
         return iso_fail(err, ISO_E_USAGE, "usage: isoshade tf names FILE");
     iso_status status = iso_tf_load_as(a->cli->arguments[1], &(iso_tf_request){.names = &names}, &tf, err);
@@ -235,6 +229,5 @@ iso_status iso_cli_tf_names(const iso_tf_arguments *a, iso_error *err)
                           a->cli->arguments[1]);
     }
     free(names);
-    iso_tf_destroy(&tf);
     return status;
 }

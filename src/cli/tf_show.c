@@ -58,13 +58,12 @@ static void put_colors(FILE *gp, size_t panel, const iso_tf_table *t, double uni
 static iso_status put_histogram(FILE *gp, size_t panel, const show_picture *p, const double range[2], iso_error *err)
 {
     char name[32];
-    iso_value_histogram h = {0};
+    OWNED(iso_value_histogram) h = {0};
     snprintf(name, sizeof name, "bins%zu", panel);
     NEED(iso_value_histogram_count(p->volume, range[0], range[1], BINS, &h, err));
     iso_histogram_put_data(gp, name, &h);
     iso_histogram_put_ticks(gp, "y2", &h);
     fputs("set y2label 'voxels'\n", gp);
-    iso_value_histogram_destroy(&h);
     return ISO_OK;
 }
 
@@ -84,7 +83,7 @@ static void put_plot(FILE *gp, size_t panel, bool has_volume)
 
 static iso_status put_panel(FILE *gp, size_t panel, show_picture *p, iso_error *err)
 {
-    iso_cli_tf_table loaded = {0};
+    OWNED(iso_cli_tf_table) loaded = {0};
     char length[32];
     const char *name = p->arguments->cli->arguments[1 + panel];
     iso_status status = iso_cli_tf_load_table(p->arguments, name, &loaded, err);
@@ -107,7 +106,6 @@ static iso_status put_panel(FILE *gp, size_t panel, show_picture *p, iso_error *
             " noenhanced offset 0,-0.5\nset ylabel 'opacity of %s'\nset xlabel 'value'\nset xrange [%.9g:%.9g]\n",
             iso_unit_text(p->unit_mm, 3, length, sizeof length), range[0], range[1]);
     put_plot(gp, panel, p->volume != NULL);
-    iso_cli_tf_table_destroy(&loaded);
     return status;
 }
 

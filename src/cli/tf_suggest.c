@@ -82,7 +82,7 @@ static iso_status report(const iso_tf_arguments *a, const iso_survey *survey, co
     char comment[256];
     snprintf(comment, sizeof comment, "Made by isoshade tf suggest, preset %s: %s. Values are the volume's own.",
              preset, iso_suggest_kind_text(found->kind));
-    json_t *file = editable(tf, comment);
+    json_auto_t *file = editable(tf, comment);
     const iso_status status = a->output ? iso_tf_save_json(file, a->output, err) : ISO_OK;
     if (status == ISO_OK && a->cli->json) {
         json_t *root = iso_cli_json(a->cli);
@@ -98,7 +98,6 @@ static iso_status report(const iso_tf_arguments *a, const iso_survey *survey, co
         if (a->output)
             printf("%s: %zu points to edit\n", a->output, tf->point_count);
     }
-    json_decref(file);
     return status;
 }
 
@@ -106,10 +105,10 @@ iso_status iso_cli_tf_suggest(const iso_tf_arguments *a, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_progress progress = iso_cli_progress(a->cli);
-    iso_pyramid p = {0};
-    iso_survey *survey = NULL;
-    iso_suggestion found = {0};
-    iso_tf tf = {0};
+    OWNED(iso_pyramid) p = {0};
+    FREED iso_survey *survey = NULL;
+    OWNED(iso_suggestion) found = {0};
+    OWNED(iso_tf) tf = {0};
     const char *preset = a->look.tf ? a->look.tf : "auto";
     size_t row = 0;
     if (a->cli->argument_count != 2)
@@ -120,15 +119,10 @@ iso_status iso_cli_tf_suggest(const iso_tf_arguments *a, iso_error *err)
                         a->look.scene);
     build.threads = a->cli->threads;
     build.level_count = 1;
-    iso_status status = iso_names_find(&iso_tf_preset_names, preset, &row, err);
-    TRY(status, iso_subject_begin_pyramid(a->cli->arguments[1], &a->input, &build, &progress, &p, err));
-    TRY(status, iso_survey_make(&p.levels[0], a->cli->threads, &survey, err));
-    TRY(status, iso_suggest(survey, &p.levels[0].geometry, &found, err));
-    TRY(status, iso_tf_preset_apply(row, survey, &p.levels[0].geometry, &tf, err));
-    TRY(status, report(a, survey, &found, &tf, preset, err));
-    iso_tf_destroy(&tf);
-    iso_suggestion_destroy(&found);
-    free(survey);
-    iso_pyramid_destroy(&p);
-    return status;
+    NEED(iso_names_find(&iso_tf_preset_names, preset, &row, err));
+    NEED(iso_subject_begin_pyramid(a->cli->arguments[1], &a->input, &build, &progress, &p, err));
+    NEED(iso_survey_make(&p.levels[0], a->cli->threads, &survey, err));
+    NEED(iso_suggest(survey, &p.levels[0].geometry, &found, err));
+    NEED(iso_tf_preset_apply(row, survey, &p.levels[0].geometry, &tf, err));
+    return report(a, survey, &found, &tf, preset, err);
 }

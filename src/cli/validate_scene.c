@@ -15,24 +15,21 @@
 /* Returns the comment of a scene that a file holds, to be freed: a hash of all but the comment. NULL: out of memory. */
 static char *comment_of(const json_t *scene)
 {
-    json_t *rest = json_copy((json_t *)scene);
+    json_auto_t *rest = json_copy((json_t *)scene);
     json_object_del(rest, "comment");
-    char *text = rest ? json_dumps(rest, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17)) : NULL;
+    FREED char *text = rest ? json_dumps(rest, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17)) : NULL;
     char *comment = NULL;
     if (text && asprintf(&comment, "As isoshade validate wrote it: xxh3_64 %016" PRIx64,
                          (uint64_t)XXH3_64bits(text, strlen(text))) < 0)
         comment = NULL;
-    free(text);
-    json_decref(rest);
     return comment;
 }
 
 /* Returns the scene with the numbers that a file of it gives when read, which may have fewer digits. */
 static json_t *as_read(json_t *scene)
 {
-    char *text = scene ? iso_json_text(scene, JSON_COMPACT) : NULL;
+    FREED char *text = scene ? iso_json_text(scene, JSON_COMPACT) : NULL;
     json_t *read = text ? json_loads(text, 0, NULL) : NULL;
-    free(text);
     json_decref(scene);
     return read;
 }
@@ -89,14 +86,10 @@ iso_status iso_validate_scene_guard(const char *path, iso_error *err)
 
 iso_status iso_validate_scene_save(const iso_scene *scene, const char *path, iso_error *err)
 {
-    json_t *root = as_read(iso_scene_to_json(scene));
-    char *comment = root ? comment_of(root) : NULL;
-    iso_status status = ISO_OK;
+    json_auto_t *root = as_read(iso_scene_to_json(scene));
+    FREED char *comment = root ? comment_of(root) : NULL;
     if (!comment || json_object_set_new(root, "comment", json_string(comment)) != 0)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    TRY(status, iso_validate_scene_guard(path, err));
-    TRY(status, iso_scene_save_json(root, path, err));
-    free(comment);
-    json_decref(root);
-    return status;
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    NEED(iso_validate_scene_guard(path, err));
+    return iso_scene_save_json(root, path, err);
 }

@@ -11,7 +11,7 @@
 
 iso_status iso_validate_save_viewer(const iso_validation *v, iso_error *err)
 {
-    char *name = NULL, *path = NULL;
+    FREED char *name = NULL, *path = NULL;
     iso_viewer_size size;
     iso_viewer page = {.pyramid = v->pyramid,
                        .scene = v->scene,
@@ -25,10 +25,7 @@ iso_status iso_validate_save_viewer(const iso_validation *v, iso_error *err)
     page.first = iso_viewer_finest_level(v->pyramid, ISO_VIEWER_MOST_VOXELS);
     if (asprintf(&name, "viewer-%s.html", v->scene_name) < 0 || !(path = iso_path_join(iso_report_dir(v->report), name)))
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    const iso_status status = iso_viewer_save(&page, path, NULL, &size, err);
-    if (status == ISO_OK)
-        iso_report_put(v->report, "viewers", v->scene_name, json_string(name));
-    free(path);
-    free(name);
-    return status;
+    NEED(iso_viewer_save(&page, path, NULL, &size, err));
+    iso_report_put(v->report, "viewers", v->scene_name, json_string(name));
+    return ISO_OK;
 }

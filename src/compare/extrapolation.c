@@ -22,12 +22,10 @@ static iso_status check_pair(const iso_image *a, const iso_image *b, double rati
 iso_status iso_richardson(const iso_image *coarse, const iso_image *fine, double ratio, double order, iso_image *limit,
                           iso_extrapolation *out, iso_error *err)
 {
-    iso_status status = check_pair(coarse, fine, ratio, err);
-    if (status == ISO_OK && !(order > 0 && order <= 16))
-        status = iso_fail(err, ISO_E_RANGE, "extrapolation: order is %g, must be above 0 and at most 16", order);
-    TRY(status, iso_image_create(limit, fine->width, fine->height, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(check_pair(coarse, fine, ratio, err));
+    if (!(order > 0 && order <= 16))
+        return iso_fail(err, ISO_E_RANGE, "extrapolation: order is %g, must be above 0 and at most 16", order);
+    NEED(iso_image_create(limit, fine->width, fine->height, err));
     double scale = 1 / (pow(ratio, order) - 1), squares = 0;
     size_t count = 4 * fine->width * fine->height;
     *out = (iso_extrapolation){0};
@@ -91,13 +89,11 @@ static void mean_of(const iso_image *images, size_t count, iso_image *mean)
 /* Creates the means over the seeds of each half of images. */
 static iso_status mean_pair(const iso_image *images, size_t seeds, iso_image *coarse, iso_image *fine, iso_error *err)
 {
-    iso_status status = iso_image_create(coarse, images[0].width, images[0].height, err);
-    TRY(status, iso_image_create(fine, images[0].width, images[0].height, err));
-    if (status == ISO_OK) {
-        mean_of(images, seeds, coarse);
-        mean_of(images + seeds, seeds, fine);
-    }
-    return status;
+    NEED(iso_image_create(coarse, images[0].width, images[0].height, err));
+    NEED(iso_image_create(fine, images[0].width, images[0].height, err));
+    mean_of(images, seeds, coarse);
+    mean_of(images + seeds, seeds, fine);
+    return ISO_OK;
 }
 
 /* Returns the mean square error of the mean, over pixels and all four channels, and its uncertainty. Alpha may be
@@ -182,20 +178,17 @@ static iso_status test_noise(const iso_extrapolation_input *of, const iso_image 
 static iso_status keep_limits(const iso_extrapolation_input *of, iso_image *limits, iso_extrapolated *out, iso_error *err)
 {
     const size_t width = of->reference->width, height = of->reference->height;
-    double *tolerances = malloc(4 * width * height * sizeof *tolerances);
+    FREED double *tolerances = malloc(4 * width * height * sizeof *tolerances);
     out->kept = calloc(of->seeds + 1, sizeof *out->kept);
-    iso_status status = tolerances && out->kept ? iso_image_create(&out->kept[of->seeds], width, height, err)
-                                                : iso_fail(err, ISO_E_MEMORY, "extrapolation: out of memory");
-    if (status == ISO_OK) {
-        measure_tolerances(of, limits, tolerances);
-        for (size_t i = 0; i < 4 * width * height; ++i)
-            out->kept[of->seeds].rgba[i] = (float)tolerances[i];
-        memcpy(out->kept, limits, of->seeds * sizeof *limits);
-        memset(limits, 0, of->seeds * sizeof *limits);
-        out->kept_count = of->seeds + 1;
-    }
-    free(tolerances);
-    return status;
+    NEED(tolerances && out->kept ? iso_image_create(&out->kept[of->seeds], width, height, err)
+                                 : iso_fail(err, ISO_E_MEMORY, "extrapolation: out of memory"));
+    measure_tolerances(of, limits, tolerances);
+    for (size_t i = 0; i < 4 * width * height; ++i)
+        out->kept[of->seeds].rgba[i] = (float)tolerances[i];
+    memcpy(out->kept, limits, of->seeds * sizeof *limits);
+    memset(limits, 0, of->seeds * sizeof *limits);
+    out->kept_count = of->seeds + 1;
+    return ISO_OK;
 }
 
 static iso_status rmse_of(const iso_image *a, const iso_image *b, double *rmse, iso_error *err)
@@ -241,13 +234,10 @@ iso_status iso_extrapolate(const iso_extrapolation_input *of, iso_extrapolated *
 
 iso_status iso_extrapolate_image(const iso_image *images, size_t seeds, iso_image *limit, iso_error *err)
 {
-    iso_image coarse = {0}, fine = {0};
+    OWNED(iso_image) coarse = {0}, fine = {0};
     iso_extrapolation unused;
-    iso_status status = mean_pair(images, seeds, &coarse, &fine, err);
-    TRY(status, iso_richardson(&coarse, &fine, 2, ISO_EXTRAPOLATION_ORDER, limit, &unused, err));
-    iso_image_destroy(&coarse);
-    iso_image_destroy(&fine);
-    return status;
+    NEED(mean_pair(images, seeds, &coarse, &fine, err));
+    return iso_richardson(&coarse, &fine, 2, ISO_EXTRAPOLATION_ORDER, limit, &unused, err);
 }
 
 /* ---- two limits ---------------------------------------------------------------- */
@@ -273,45 +263,37 @@ static iso_status test_differences(const iso_extrapolated *a, const iso_extrapol
                                    iso_samples *samples, iso_extrapolated_change *out, iso_error *err)
 {
     const size_t seeds = a->kept_count - 1, count = 4 * difference->width * difference->height;
-    double *tolerances = malloc(count * sizeof *tolerances);
-    iso_status status = tolerances ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "extrapolation: out of memory");
-    for (size_t k = 0; k < seeds && status == ISO_OK; ++k) {
+    FREED double *tolerances = malloc(count * sizeof *tolerances);
+    if (!tolerances)
+        return iso_fail(err, ISO_E_MEMORY, "extrapolation: out of memory");
+    for (size_t k = 0; k < seeds; ++k) {
         subtract(&a->kept[k], &b->kept[k], difference);
-        status = iso_samples_add(samples, difference, err);
+        NEED(iso_samples_add(samples, difference, err));
     }
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+    for (size_t i = 0; i < count; ++i)
         tolerances[i] = (double)a->kept[seeds].rgba[i] + (double)b->kept[seeds].rgba[i];
-    if (status == ISO_OK) {
-        const iso_noise_options o = {.significance = ISO_EXTRAPOLATION_SIGNIFICANCE,
-                                     .tolerance = ISO_EXTRAPOLATION_ROUNDING,
-                                     .tolerances = tolerances,
-                                     .bias_tolerance = a->step_bar + b->step_bar + ISO_EXTRAPOLATION_ROUNDING,
-                                     .neighbors = ISO_NOISE_NEIGHBORS};
-        find_largest(samples, out);
-        status = iso_samples_test(samples, &o, &out->test, err);
-    }
-    free(tolerances);
-    return status;
+    const iso_noise_options o = {.significance = ISO_EXTRAPOLATION_SIGNIFICANCE,
+                                 .tolerance = ISO_EXTRAPOLATION_ROUNDING,
+                                 .tolerances = tolerances,
+                                 .bias_tolerance = a->step_bar + b->step_bar + ISO_EXTRAPOLATION_ROUNDING,
+                                 .neighbors = ISO_NOISE_NEIGHBORS};
+    find_largest(samples, out);
+    return iso_samples_test(samples, &o, &out->test, err);
 }
 
 iso_status iso_extrapolated_compare(const iso_extrapolated *a, const iso_extrapolated *b, iso_extrapolated_change *out,
                                     iso_error *err)
 {
-    iso_samples samples = {0};
-    iso_image zero = {0}, difference = {0};
+    OWNED(iso_samples) samples = {0};
+    OWNED(iso_image) zero = {0}, difference = {0};
     *out = (iso_extrapolated_change){0};
     if (a->kept_count < 3 || a->kept_count != b->kept_count || a->image.width != b->image.width ||
         a->image.height != b->image.height)
         return iso_fail(err, ISO_E_RANGE, "extrapolation: two limits of %zu and %zu seeds cannot be compared", a->seeds,
                         b->seeds);
-    iso_status status = iso_image_create(&zero, a->image.width, a->image.height, err);
-    TRY(status, iso_image_create(&difference, zero.width, zero.height, err));
-    if (status == ISO_OK)
-        memset(zero.rgba, 0, 4 * zero.width * zero.height * sizeof *zero.rgba);
-    TRY(status, iso_samples_create(&samples, &zero, err));
-    TRY(status, test_differences(a, b, &difference, &samples, out, err));
-    iso_samples_destroy(&samples);
-    iso_image_destroy(&difference);
-    iso_image_destroy(&zero);
-    return status;
+    NEED(iso_image_create(&zero, a->image.width, a->image.height, err));
+    NEED(iso_image_create(&difference, zero.width, zero.height, err));
+    memset(zero.rgba, 0, 4 * zero.width * zero.height * sizeof *zero.rgba);
+    NEED(iso_samples_create(&samples, &zero, err));
+    return test_differences(a, b, &difference, &samples, out, err);
 }

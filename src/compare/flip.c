@@ -323,15 +323,13 @@ static iso_status check(const iso_image *a, const iso_image *b, double ppd, iso_
 static iso_status flip_at(const iso_image *a, const iso_image *b, double ppd, double scale, bool tone, float *map,
                           iso_error *err)
 {
-    percept pa, pb;
+    percept pb;
+    OWNED(percept) pa = {0};
     NEED(perceive(a, ppd, scale, tone, &pa, err));
-    iso_status status = perceive(b, ppd, scale, tone, &pb, err);
-    if (status == ISO_OK) {
-        combine(&pa, &pb, a->width * a->height, map);
-        percept_destroy(&pb);
-    }
-    percept_destroy(&pa);
-    return status;
+    NEED(perceive(b, ppd, scale, tone, &pb, err));
+    combine(&pa, &pb, a->width * a->height, map);
+    percept_destroy(&pb);
+    return ISO_OK;
 }
 
 iso_status iso_flip_ldr(const iso_image *a, const iso_image *b, double pixels_per_degree, float *map, iso_error *err)
@@ -373,15 +371,13 @@ iso_status iso_flip_hdr(const iso_image *reference, const iso_image *b, double p
 {
     double start = 0, stop = 0;
     size_t count = 0;
-    iso_status status = check(reference, b, pixels_per_degree, err);
-    TRY(status, iso_flip_exposures(reference, &start, &stop, &count, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(check(reference, b, pixels_per_degree, err));
+    NEED(iso_flip_exposures(reference, &start, &stop, &count, err));
     memset(map, 0, reference->width * reference->height * sizeof *map);
-    for (size_t k = 0; status == ISO_OK && k < count; ++k)
-        status = flip_at(reference, b, pixels_per_degree,
-                         exp2(start + (stop - start) * (double)k / (double)(count - 1)), true, map, err);
-    return status;
+    for (size_t k = 0; k < count; ++k)
+        NEED(flip_at(reference, b, pixels_per_degree, exp2(start + (stop - start) * (double)k / (double)(count - 1)),
+                     true, map, err));
+    return ISO_OK;
 }
 
 double iso_flip_mean(const float *map, size_t count)

@@ -89,7 +89,7 @@ static iso_status measure(const iso_image *a, const iso_image *b, bool visual, i
     m->nonfinite_count = count_nonfinite(a, b);
     if (m->nonfinite_count > 0)
         return ISO_OK;
-    float *map = malloc(count * sizeof *map);
+    FREED float *map = malloc(count * sizeof *map);
     if (!map)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu pixels", count);
     measure_differences(a, b, map, m);
@@ -100,7 +100,6 @@ static iso_status measure(const iso_image *a, const iso_image *b, bool visual, i
         status = iso_flip_ldr(a, b, ISO_FLIP_PIXELS_PER_DEGREE, map, err);
     if (status == ISO_OK && visual)
         m->flip_mean = iso_flip_mean(map, count);
-    free(map);
     return status;
 }
 

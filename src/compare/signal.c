@@ -27,7 +27,7 @@ static void measure_pixel(const float *rgba, const double background[3], double 
 static iso_status measure_p99(const iso_image *image, const double background[3], iso_signal *s, iso_error *err)
 {
     const size_t count = image->width * image->height;
-    double *values = malloc(2 * count * sizeof *values);
+    FREED double *values = malloc(2 * count * sizeof *values);
     if (!values)
         return iso_fail(err, ISO_E_MEMORY, "signal: no memory for %zu pixels", count);
     bool finite = true;
@@ -37,7 +37,6 @@ static iso_status measure_p99(const iso_image *image, const double background[3]
     }
     s->color = finite ? p99_of(values, count) : NAN;
     s->alpha = finite ? p99_of(values + count, count) : NAN;
-    free(values);
     return ISO_OK;
 }
 

@@ -19,10 +19,9 @@ const iso_code_info *iso_code_describe(iso_code code)
 iso_status iso_code_from_name(const char *name, iso_code *code, iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(&iso_code_names, name, &row, err);
-    if (status == ISO_OK)
-        *code = (iso_code)row;
-    return status;
+    NEED(iso_names_find(&iso_code_names, name, &row, err));
+    *code = (iso_code)row;
+    return ISO_OK;
 }
 
 void iso_code_encode(iso_code code, const float *restrict directions, uint8_t *restrict bytes, size_t count)

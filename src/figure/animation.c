@@ -94,14 +94,13 @@ static unsigned char *filter_rows(const iso_image *image)
 static int put_frame(iso_animation *a, const unsigned char *rows, size_t size)
 {
     uLongf packed = compressBound(size);
-    unsigned char *data = malloc(4 + packed);
+    FREED unsigned char *data = malloc(4 + packed);
     const int first = a->added == 0;
     int whole = data && compress2(data + 4, &packed, rows, size, 6) == Z_OK && put_frame_control(a);
     if (whole && !first)
         put_u32(data, a->sequence++);
     whole = whole &&
             (first ? put_chunk(a->file, "IDAT", data + 4, packed) : put_chunk(a->file, "fdAT", data, 4 + packed));
-    free(data);
     return whole;
 }
 

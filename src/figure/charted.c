@@ -73,7 +73,7 @@ static int by_cost(const void *a, const void *b)
 /* Draws stairs: the least error for up to each cost. */
 static void put_front(FILE *gp, const charted *c, bool of_time)
 {
-    corner *corners = calloc(json_array_size(c->cases) + 1, sizeof *corners);
+    FREED corner *corners = calloc(json_array_size(c->cases) + 1, sizeof *corners);
     json_t *one;
     size_t i, count = 0;
     if (!corners)
@@ -89,7 +89,6 @@ static void put_front(FILE *gp, const charted *c, bool of_time)
         fprintf(gp, "%.9g %.9g\n", corners[i].cost, corners[i].error);
     }
     fputs("EOD\n", gp);
-    free(corners);
 }
 
 /* ---- a panel ---- */
@@ -281,19 +280,16 @@ static iso_status draw_loaded(const iso_figure_job *job, charted *c, iso_page *p
 
 static iso_status draw_chart(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    json_t *root = NULL;
-    char *path = iso_path_join(job->input, "chart.json");
-    iso_status status = path ? iso_json_load(path, &root, err) : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    json_auto_t *root = NULL;
+    FREED char *path = iso_path_join(job->input, "chart.json");
+    NEED(path ? iso_json_load(path, &root, err) : iso_fail(err, ISO_E_MEMORY, "figure: out of memory"));
     charted c = {.options = json_object_get(root, "options"), .cases = json_object_get(root, "cases")};
     c.metric = string_of(c.options, "metric");
     c.bytes_key = !strcmp(string_of(c.options, "bytes"), "stored") ? "stored_bytes" : "device_bytes";
-    if (status == ISO_OK && (!json_is_array(c.cases) || strncmp(string_of(root, "schema"), "isoshade.chart/", 15) != 0))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: not a chart of settings; its schema is \"%s\"", path,
-                          string_of(root, "schema"));
-    TRY(status, draw_loaded(job, &c, page, err));
-    json_decref(root);
-    free(path);
-    return status;
+    if (!json_is_array(c.cases) || strncmp(string_of(root, "schema"), "isoshade.chart/", 15) != 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: not a chart of settings; its schema is \"%s\"", path,
+                        string_of(root, "schema"));
+    return draw_loaded(job, &c, page, err);
 }
 
 const iso_figure_info iso_figure_chart = {

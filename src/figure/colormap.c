@@ -54,10 +54,9 @@ const iso_names iso_colormap_names = ISO_NAMES_OF_ROWS("color map", iso_colormap
 iso_status iso_colormap_from_name(const char *name, const iso_colormap **map, iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(&iso_colormap_names, name, &row, err);
-    if (status == ISO_OK)
-        *map = &iso_colormaps[row];
-    return status;
+    NEED(iso_names_find(&iso_colormap_names, name, &row, err));
+    *map = &iso_colormaps[row];
+    return ISO_OK;
 }
 
 void iso_colormap_lookup(const iso_colormap *map, double t, unsigned char rgb[3])

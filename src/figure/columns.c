@@ -111,20 +111,19 @@ static iso_status render_inset(drawn *w, size_t column, iso_image *image, iso_er
                  height = (size_t)lrint((double)w->height * enlarged);
     const size_t x = (size_t)lrint(fmin(z[0] * (double)width, (double)(width - w->width))),
                  y = (size_t)lrint(fmin(z[1] * (double)height, (double)(height - w->height)));
-    iso_image whole = {0};
+    OWNED(iso_image) whole = {0};
     double unused;
     if (width * height > ISO_FIGURE_MOST_PIXELS)
         return iso_fail(err, ISO_E_RANGE,
                         "--zoom: the picture would have %zu x %zu pixels, at most %d million; choose a larger part, "
                         "or a lower --dpi",
                         width, height, (int)ISO_FIGURE_MOST_PIXELS >> 20);
-    iso_status status = w->c->render(w->c->user, column, width, height, &whole, &unused, err);
-    TRY(status, iso_image_create(image, w->width, w->height, err));
-    for (size_t row = 0; row < w->height && status == ISO_OK; ++row)
+    NEED(w->c->render(w->c->user, column, width, height, &whole, &unused, err));
+    NEED(iso_image_create(image, w->width, w->height, err));
+    for (size_t row = 0; row < w->height; ++row)
         memcpy(image->rgba + 4 * row * w->width, whole.rgba + 4 * ((y + row) * width + x),
                4 * w->width * sizeof *whole.rgba);
-    iso_image_destroy(&whole);
-    return status;
+    return ISO_OK;
 }
 
 /* Compares a picture with the first one. The map borrows the pixels of both. */
@@ -192,10 +191,9 @@ static iso_status draw(drawn *w, iso_error *err)
     NEED(render_all(w, err));
     write_caption(w);
     const iso_figure_sheet sheet = sheet_of(w);
-    iso_status status = iso_figure_draw(&sheet, w->page, err);
-    if (status == ISO_OK)
-        iso_figure_put_tf_foot(&w->c->tf, w->page, w->c->foot_mm);
-    return status;
+    NEED(iso_figure_draw(&sheet, w->page, err));
+    iso_figure_put_tf_foot(&w->c->tf, w->page, w->c->foot_mm);
+    return ISO_OK;
 }
 
 iso_status iso_figure_draw_columns(const iso_figure_columns *columns, iso_page *page, iso_error *err)

@@ -117,7 +117,7 @@ static iso_status draw_row(contact *c, iso_page *page, size_t row, iso_error *er
     iso_status status = change_tf(c, row, err);
     name_tf(c, row, name);
     for (size_t i = 0; i < c->columns && status == ISO_OK; ++i) {
-        iso_image image = {0};
+        OWNED(iso_image) image = {0};
         double mm_per_pixel = 0;
         const iso_figure_picture what = {.with = c->with,
                                          .level = (size_t)c->job->level,
@@ -135,7 +135,6 @@ static iso_status draw_row(contact *c, iso_page *page, size_t row, iso_error *er
             if (row == 0)
                 iso_page_draw_scale_bar(page, &box, &image, mm_per_pixel);
         }
-        iso_image_destroy(&image);
     }
     if (status == ISO_OK)
         fprintf(iso_page_caption(page), " %s, %s%s", name,

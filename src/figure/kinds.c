@@ -31,18 +31,16 @@ iso_status iso_figure_kind_from_name(const iso_names *kinds, const char *name, c
                                      iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(kinds, name, &row, err);
-    if (status == ISO_OK)
-        *kind = ((const iso_figure_info *const *)kinds->rows)[row];
-    return status;
+    NEED(iso_names_find(kinds, name, &row, err));
+    *kind = ((const iso_figure_info *const *)kinds->rows)[row];
+    return ISO_OK;
 }
 
 /* Returns the usual kind of figure: a folder of `isoshade chart` shows only a chart. */
 const char *iso_figure_usual_kind(const char *input)
 {
-    char *path = input ? iso_path_join(input, "chart.json") : NULL;
+    FREED char *path = input ? iso_path_join(input, "chart.json") : NULL;
     const bool is_chart = path && iso_path_is_file(path);
-    free(path);
     return is_chart ? iso_figure_chart.name : iso_figure_levels.name;
 }
 
@@ -51,20 +49,17 @@ const char *iso_figure_usual_kind(const char *input)
 static iso_status check_numbers(const iso_figure_job *job, iso_error *err)
 {
     const double *z = job->inset;
-    iso_status status = ISO_OK;
     if (!(job->width_mm >= 40 && job->width_mm <= 1000))
         return iso_fail(err, ISO_E_RANGE, "--width is %g, must be 40 to 1000 mm", job->width_mm);
     if (!(job->height_mm >= 40 && job->height_mm <= 1000))
         return iso_fail(err, ISO_E_RANGE, "--height is %g, must be 40 to 1000 mm", job->height_mm);
     if (!(job->dpi >= 36 && job->dpi <= 1200))
         return iso_fail(err, ISO_E_RANGE, "--dpi is %g, must be 36 to 1200", job->dpi);
-    if (status == ISO_OK && z[2] != 0 &&
-        !(z[0] >= 0 && z[1] >= 0 && z[2] >= 0.01 && z[3] >= 0.01 && z[0] + z[2] <= 1 && z[1] + z[3] <= 1))
-        status =
-            iso_fail(err, ISO_E_RANGE,
-                     "--zoom is %g,%g,%g,%g: must be parts of the picture from 0 to 1, at least 0.01 wide and high",
-                     z[0], z[1], z[2], z[3]);
-    return status;
+    if (z[2] != 0 && !(z[0] >= 0 && z[1] >= 0 && z[2] >= 0.01 && z[3] >= 0.01 && z[0] + z[2] <= 1 && z[1] + z[3] <= 1))
+        return iso_fail(err, ISO_E_RANGE,
+                        "--zoom is %g,%g,%g,%g: must be parts of the picture from 0 to 1, at least 0.01 wide and high",
+                        z[0], z[1], z[2], z[3]);
+    return ISO_OK;
 }
 
 /* Refuses options that the kind does not use. */

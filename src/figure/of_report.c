@@ -55,12 +55,10 @@ static const char *file_name_of(const json_t *report, const char *key)
 
 static iso_status load_image(const figure *f, const char *name, iso_image *image, iso_error *err)
 {
-    char *path = NULL;
+    FREED char *path = NULL;
     if (asprintf(&path, "%s/images/%s.exr", f->report_dir, name) < 0)
         return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    iso_status status = iso_image_load_exr(path, image, err);
-    free(path);
-    return status;
+    return iso_image_load_exr(path, image, err);
 }
 
 static iso_status add_panel(figure *f, panel p, iso_error *err)
@@ -207,7 +205,8 @@ static iso_status add_levels(figure *f, const json_t *rows, const char *method, 
 static iso_status plan_levels(figure *f, iso_error *err)
 {
     const json_t *rows = json_object_get(f->report, "consistency");
-    json_t *methods = pictured_methods(rows), *chosen = chosen_methods(methods, f->job->methods), *adapted;
+    json_t *adapted;
+    json_auto_t *methods = pictured_methods(rows), *chosen = chosen_methods(methods, f->job->methods);
     const char *method;
     size_t shown = 0;
     iso_status status = ISO_OK;
@@ -221,8 +220,6 @@ static iso_status plan_levels(figure *f, iso_error *err)
     json_object_foreach (chosen, method, adapted)
         if (status == ISO_OK)
             status = add_levels(f, rows, method, shown++, err);
-    json_decref(chosen);
-    json_decref(methods);
     return status;
 }
 
@@ -405,12 +402,10 @@ static iso_status draw_sheet(figure *f, iso_page *page, iso_error *err)
                                     .width_mm = f->job->width_mm,
                                     .height_mm = f->job->height_mm,
                                     .map = f->job->map};
-    const iso_status status = iso_figure_draw(&sheet, page, err);
-    if (status == ISO_OK) {
-        iso_figure_describe(&sheet, f->caption);
-        describe_density(f, &sheet, page);
-    }
-    return status;
+    NEED(iso_figure_draw(&sheet, page, err));
+    iso_figure_describe(&sheet, f->caption);
+    describe_density(f, &sheet, page);
+    return ISO_OK;
 }
 
 static iso_status make(figure *f, iso_page *page, iso_error *err)
@@ -441,9 +436,8 @@ static iso_status draw(const iso_figure_job *job, bool of_levels, iso_page *page
 
 bool iso_figure_is_of_report(const iso_figure_job *job)
 {
-    char *path = job->input ? iso_path_join(job->input, "report.json") : NULL;
+    FREED char *path = job->input ? iso_path_join(job->input, "report.json") : NULL;
     const bool is = path && iso_path_exists(path);
-    free(path);
     return is;
 }
 

@@ -240,10 +240,9 @@ static void put_pixels(iso_page *p, const iso_page_box *box, unsigned char *rgb,
     if (iso_page_dots_mm(p, one->high) >= least_panel_mm)
         iso_page_add_panel(p, box);
     snprintf(name, sizeof name, "picture%zu.raw", p->picture_count++);
-    char *path = iso_page_file(p, name);
+    FREED char *path = iso_page_file(p, name);
     if (path)
         fail(p, iso_file_write(path, rgb, 3 * width * height, &p->err));
-    free(path);
     const double wide = (double)p->dots_wide, high = (double)p->dots_high;
     fprintf(
         p->files[PICTURES],
@@ -401,10 +400,9 @@ static char *write_script(const iso_page *p)
 
 static void remove_file(const iso_page *p, const char *name)
 {
-    char *path = iso_page_file(p, name);
+    FREED char *path = iso_page_file(p, name);
     if (path)
         remove(path);
-    free(path);
 }
 
 static void remove_sources(const iso_page *p)
@@ -421,24 +419,17 @@ static void remove_sources(const iso_page *p)
 
 static iso_status draw_png(const iso_page *p, iso_error *err)
 {
-    char *path = iso_page_file(p, "figure.png");
-    iso_status status = path ? iso_page_png_compose(path, p->pictures, p->picture_count, p->dots_wide, p->dots_high,
-                                                    p->dpi, err)
-                             : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    free(path);
-    return status;
+    FREED char *path = iso_page_file(p, "figure.png");
+    return path ? iso_page_png_compose(path, p->pictures, p->picture_count, p->dots_wide, p->dots_high, p->dpi, err)
+                : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
 }
 
 static iso_status write_caption(const iso_page *p, iso_error *err)
 {
-    char *path = iso_page_file(p, "caption.txt"), *text = NULL;
-    iso_status status = ISO_OK;
+    FREED char *path = iso_page_file(p, "caption.txt"), *text = NULL;
     if (!path || asprintf(&text, "%.*s\n", (int)p->sizes[CAPTION], p->texts[CAPTION]) < 0)
-        status = iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    TRY(status, iso_file_write(path, text, strlen(text), err));
-    free(path);
-    free(text);
-    return status;
+        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    return iso_file_write(path, text, strlen(text), err);
 }
 
 static const struct {
@@ -477,13 +468,12 @@ iso_status iso_page_finish(iso_page *p, const char *forms, int with_sources, iso
     for (int i = 0; i < PIECES; ++i)
         if (fflush(p->files[i]) != 0)
             return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    char *script = write_script(p);
+    FREED char *script = write_script(p);
     iso_status status = script ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     TRY(status, iso_gnuplot_draw_script(p->dir, "figure", script, "pdf", err));
     for (size_t i = 0; i < FORMS && status == ISO_OK; ++i)
         if (is_named(forms, forms_beside[i].name))
             status = iso_gnuplot_draw_script(p->dir, "figure", script, forms_beside[i].format, err);
-    free(script);
     if (status == ISO_OK && is_named(forms, "png"))
         status = draw_png(p, err);
     TRY(status, write_caption(p, err));

@@ -56,16 +56,14 @@ static void put_over(canvas *c, const unsigned char *rgba)
 static iso_status read_overlay(const char *path, const canvas *c, unsigned char **rgba, iso_error *err)
 {
     png_image png = {.version = PNG_IMAGE_VERSION};
-    char *bytes = NULL;
+    FREED char *bytes = NULL;
     size_t size;
     *rgba = NULL;
     iso_status status = iso_file_read(path, &bytes, &size, err);
     if (status == ISO_OK && !png_image_begin_read_from_memory(&png, bytes, size))
         status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, png.message);
-    if (status != ISO_OK) {
-        free(bytes);
+    if (status != ISO_OK)
         return status;
-    }
     png.format = PNG_FORMAT_RGBA;
     if (png.width != c->wide || png.height != c->high)
         status = iso_fail(err, ISO_E_FORMAT, "%s: gnuplot drew %u x %u dots of %zu x %zu", path, png.width, png.height,
@@ -75,7 +73,6 @@ static iso_status read_overlay(const char *path, const canvas *c, unsigned char 
     else if (!png_image_finish_read(&png, NULL, *rgba, 0, NULL))
         status = iso_fail(err, ISO_E_FORMAT, "%s: %s", path, png.message);
     png_image_free(&png);
-    free(bytes);
     return status;
 }
 

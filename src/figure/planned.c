@@ -149,19 +149,15 @@ static iso_status make_plan(shown *s, double error, iso_error *err)
 {
     const iso_figure_job *job = s->job;
     const iso_progress progress = iso_cli_progress(job->cli);
-    iso_status status = iso_figure_subject_load(&s->subject, job, 1, NULL, err);
-    TRY(status, iso_subject_refuse_labels(&s->subject.pyramid, job->input, "--kind plan", err));
-    TRY(status,
-        iso_scene_resolve(&s->subject.scene, &s->subject.pyramid.levels[0].geometry,
-                          iso_pyramid_lo(&s->subject.pyramid), iso_pyramid_hi(&s->subject.pyramid), &s->view, err));
-    TRY(status, iso_node_levels_begin(&s->nodes, &s->subject.pyramid.levels[0], BRICK_VOXELS, s->level_count,
-                                      job->cli->threads, err));
-    if (status != ISO_OK)
-        return status;
-    status = iso_planner_create(&s->planner, &s->nodes,
-                                &(iso_planner_options){&s->view, 1, ISO_FACES_BAKED, job->cli->threads}, &progress,
-                                err);
-    return status == ISO_OK ? iso_planner_search(&s->planner, error, 0, &progress, err) : status;
+    NEED(iso_figure_subject_load(&s->subject, job, 1, NULL, err));
+    NEED(iso_subject_refuse_labels(&s->subject.pyramid, job->input, "--kind plan", err));
+    NEED(iso_scene_resolve(&s->subject.scene, &s->subject.pyramid.levels[0].geometry,
+                           iso_pyramid_lo(&s->subject.pyramid), iso_pyramid_hi(&s->subject.pyramid), &s->view, err));
+    NEED(iso_node_levels_begin(&s->nodes, &s->subject.pyramid.levels[0], BRICK_VOXELS, s->level_count,
+                               job->cli->threads, err));
+    NEED(iso_planner_create(&s->planner, &s->nodes,
+                            &(iso_planner_options){&s->view, 1, ISO_FACES_BAKED, job->cli->threads}, &progress, err));
+    return iso_planner_search(&s->planner, error, 0, &progress, err);
 }
 
 static iso_status draw_plan(const iso_figure_job *job, iso_page *page, iso_error *err)

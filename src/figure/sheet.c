@@ -280,12 +280,11 @@ static double difference_at(const iso_figure_sheet *f, const iso_figure_panel *p
 static void put_map(const iso_figure_sheet *f, const iso_figure_panel *p, const iso_page_box *box, iso_page *page)
 {
     const size_t count = p->a.width * p->a.height;
-    float *values = malloc(count * sizeof *values);
+    FREED float *values = malloc(count * sizeof *values);
     for (size_t i = 0; i < count && values; ++i)
         values[i] = (float)difference_at(f, p, i);
     if (values)
         iso_page_put_values(page, box, values, p->a.width, p->a.height, f->map, (double[2]){f->low, f->high});
-    free(values);
 }
 
 /* ---- panels ---- */
@@ -415,10 +414,9 @@ static void put_row(const iso_figure_sheet *f, const layout *l, size_t i, const 
 
 static iso_status write_table(const iso_figure_sheet *f, const layout *l, const iso_page *page, iso_error *err)
 {
-    char *path = iso_page_file(page, "figure.csv");
+    FREED char *path = iso_page_file(page, "figure.csv");
     FILE *csv = path ? fopen(path, "w") : NULL;
     iso_status status = csv ? ISO_OK : iso_fail(err, ISO_E_IO, "figure: figure.csv cannot be written");
-    free(path);
     if (!csv)
         return status;
     fputs("kind,file,width,height,left,right,bottom,top,title,note,side,bar,bar_text,low,high,logs,figure_width,"

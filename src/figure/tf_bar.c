@@ -49,7 +49,7 @@ static void put_colors(iso_page *page, const iso_page_box *box, const iso_tf_tab
     const size_t wide = iso_page_dots(page, box->width), high = iso_page_dots(page, box->height);
     const size_t square = high / 4 > 0 ? high / 4 : 1;
     const double unit_mm = iso_figure_tf_unit_mm(t);
-    unsigned char *rgb = malloc(3 * wide * high);
+    FREED unsigned char *rgb = malloc(3 * wide * high);
     for (size_t i = 0; i < wide * high && rgb; ++i) {
         double c[4];
         const size_t x = i % wide, y = i / wide;
@@ -62,7 +62,6 @@ static void put_colors(iso_page *page, const iso_page_box *box, const iso_tf_tab
     }
     if (rgb)
         iso_page_put_colors(page, &(iso_page_box){.left = box->left, .top = box->top}, rgb, wide, high);
-    free(rgb);
 }
 
 void iso_figure_put_tf_bar(iso_page *page, const iso_page_box *box, const iso_tf_table *t, const double range[2])

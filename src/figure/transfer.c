@@ -142,9 +142,8 @@ static iso_status make_view(curves *c, const iso_figure_job *job, size_t level, 
     const iso_pyramid *p = &c->subject.pyramid;
     iso_cli_adapted adapted = job->adapted;
     adapted.wanted = adapted.wanted && level > 0;
-    const iso_status status = iso_scene_resolve(&c->subject.scene, &p->levels[0].geometry, iso_pyramid_lo(p),
-                                                iso_pyramid_hi(p), view, err);
-    return status == ISO_OK ? iso_cli_adapt_view(&adapted, job->input, p, level, view, job->cli->threads, err) : status;
+    NEED(iso_scene_resolve(&c->subject.scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err));
+    return iso_cli_adapt_view(&adapted, job->input, p, level, view, job->cli->threads, err);
 }
 
 static void name_level(const curves *c, size_t i, char title[64])

@@ -86,7 +86,7 @@ static double integral(const iso_fit_curve *curve, const double *sums, size_t c,
 void iso_fit_curve_widen(const iso_fit_curve *curve, double width, iso_fit_curve *wide)
 {
     const double half = 0.5 * width / curve->step;
-    double *sums = half > 1e-6 ? malloc(curve->count * sizeof *sums) : NULL;
+    FREED double *sums = half > 1e-6 ? malloc(curve->count * sizeof *sums) : NULL;
     memcpy(wide->entries, curve->entries, 4 * curve->count * sizeof *wide->entries);
     for (size_t c = 0; c < 4 && sums; ++c) {
         sums[0] = 0;
@@ -97,5 +97,4 @@ void iso_fit_curve_widen(const iso_fit_curve *curve, double width, iso_fit_curve
                                                 integral(curve, sums, c, (double)i - half)) /
                                                (2 * half));
     }
-    free(sums);
 }

@@ -30,10 +30,9 @@ const char *iso_gradient_name(iso_gradient_method method)
 iso_status iso_gradient_from_name(const char *name, iso_gradient_method *method, iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(&iso_gradient_names, name, &row, err);
-    if (status == ISO_OK)
-        *method = (iso_gradient_method)row;
-    return status;
+    NEED(iso_names_find(&iso_gradient_names, name, &row, err));
+    *method = (iso_gradient_method)row;
+    return ISO_OK;
 }
 
 /* Interleaves three planar rows as triples, in the caches. */

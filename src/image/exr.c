@@ -20,27 +20,25 @@ static iso_status write_bytes(const char *path, const char *data, size_t size, i
 
 iso_status iso_exr_verify(const char *path, const iso_image *image, iso_error *err)
 {
-    iso_image read;
+    OWNED(iso_image) read = {0};
     iso_status status = iso_image_load_exr(path, &read, err);
     if (status != ISO_OK)
         return iso_fail_in(err, ISO_E_IO, "the file just written cannot be read");
     if (read.width != image->width || read.height != image->height ||
         memcmp(read.rgba, image->rgba, 4 * sizeof(float) * image->width * image->height) != 0)
         status = iso_fail(err, ISO_E_IO, "%s: the pixels in the file are not those written to it", path);
-    iso_image_destroy(&read);
     return status;
 }
 
 iso_status iso_image_save_exr(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err)
 {
     iso_output out;
-    char *data = NULL;
+    FREED char *data = NULL;
     size_t size = 0;
     NEED(iso_output_begin(&out, path, err));
     iso_status status = iso_exr_encode(path, image, notes, &data, &size, err);
     TRY(status, write_bytes(out.temp_path, data, size, err));
     TRY(status, iso_exr_verify(out.temp_path, image, err));
-    free(data);
     if (status == ISO_OK)
         return iso_output_commit(&out, err);
     iso_output_rename_in(out.temp_path, path, err);
@@ -53,31 +51,26 @@ iso_status iso_image_exr(const iso_image *image, unsigned char **bytes, size_t *
     char *data = NULL;
     *bytes = NULL;
     *size = 0;
-    const iso_status status = image->rgba ? iso_exr_encode("EXR", image, NULL, &data, size, err)
-                                          : iso_fail(err, ISO_E_RANGE, "EXR: the image is empty");
-    if (status == ISO_OK)
-        *bytes = (unsigned char *)data;
-    return status;
+    NEED(image->rgba ? iso_exr_encode("EXR", image, NULL, &data, size, err)
+                     : iso_fail(err, ISO_E_RANGE, "EXR: the image is empty"));
+    *bytes = (unsigned char *)data;
+    return ISO_OK;
 }
 
 iso_status iso_image_read_exr_header(const char *path, iso_exr_header *header, iso_error *err)
 {
-    char *data;
+    FREED char *data = NULL;
     size_t size;
     *header = (iso_exr_header){0};
     NEED(iso_picture_read_kind(path, ISO_PICTURE_EXR, "OpenEXR", &data, &size, err));
-    iso_status status = iso_exr_decode_header(path, data, size, header, err);
-    free(data);
-    return status;
+    return iso_exr_decode_header(path, data, size, header, err);
 }
 
 iso_status iso_image_load_exr(const char *path, iso_image *image, iso_error *err)
 {
-    char *data;
+    FREED char *data = NULL;
     size_t size;
     *image = (iso_image){0};
     NEED(iso_picture_read_kind(path, ISO_PICTURE_EXR, "OpenEXR", &data, &size, err));
-    iso_status status = iso_exr_decode(path, data, size, NULL, image, err);
-    free(data);
-    return status;
+    return iso_exr_decode(path, data, size, NULL, image, err);
 }

@@ -117,7 +117,7 @@ iso_status iso_picture_read_kind(const char *path, iso_picture_kind kind, const 
 
 iso_status iso_image_load(const char *path, iso_image_choice *choice, iso_image *image, iso_error *err)
 {
-    char *data;
+    FREED char *data = NULL;
     size_t size;
     bool has_alpha = false;
     *image = (iso_image){0};
@@ -134,6 +134,5 @@ iso_status iso_image_load(const char *path, iso_image_choice *choice, iso_image 
     }
     if (choice && kind != ISO_PICTURE_EXR)
         choice->has_alpha = has_alpha;
-    free(data);
     return status;
 }

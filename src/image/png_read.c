@@ -168,12 +168,10 @@ iso_status iso_png_decode(const char *path, const char *data, size_t size, bool 
 
 iso_status iso_image_load_png(const char *path, iso_image *image, iso_error *err)
 {
-    char *data;
+    FREED char *data = NULL;
     size_t size;
     bool has_alpha;
     *image = (iso_image){0};
     NEED(iso_picture_read_kind(path, ISO_PICTURE_PNG, "PNG", &data, &size, err));
-    iso_status status = iso_png_decode(path, data, size, &has_alpha, image, err);
-    free(data);
-    return status;
+    return iso_png_decode(path, data, size, &has_alpha, image, err);
 }

@@ -115,14 +115,14 @@ static void note(bound_bench *b, const bound_case *c, size_t level, bool adapted
 static iso_status run_level(bound_bench *b, bound_case *c, size_t level, bool adapted, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
-    iso_tf_table table = {0};
-    iso_image image = {0};
+    OWNED(iso_tf_table) table = {0};
+    OWNED(iso_image) image = {0};
     iso_metrics m = {0};
     bound_figures f = {NAN, NAN, NAN};
     opt.threads = b->cli->threads;
-    iso_status status = iso_adapt_level(c->pyramid, adapted ? level : 0, &c->view.tf, &opt, &table, NULL, err);
-    TRY(status, draw(b, c, level, &table, &image, err));
-    TRY(status, iso_metrics_measure(&c->finest, &image, &m, err));
+    NEED(iso_adapt_level(c->pyramid, adapted ? level : 0, &c->view.tf, &opt, &table, NULL, err));
+    NEED(draw(b, c, level, &table, &image, err));
+    NEED(iso_metrics_measure(&c->finest, &image, &m, err));
     const iso_image_bound_input in = {.fine = &c->pyramid->levels[0],
                                       .coarse = &c->pyramid->levels[level],
                                       .level = level,
@@ -132,15 +132,12 @@ static iso_status run_level(bound_bench *b, bound_case *c, size_t level, bool ad
                                       .coarse_tf = &table,
                                       .points = b->points,
                                       .threads = b->cli->threads};
-    TRY(status, iso_image_bound_rmse(&in, &f.bound, err));
-    if (status == ISO_OK && b->causes)
-        status = iso_image_bound_without_signs(&in, &f.unsigned_rays, err);
+    NEED(iso_image_bound_rmse(&in, &f.bound, err));
+    if (b->causes)
+        NEED(iso_image_bound_without_signs(&in, &f.unsigned_rays, err));
     f.measured = m.rmse;
-    if (status == ISO_OK)
-        note(b, c, level, adapted, &f);
-    iso_image_destroy(&image);
-    iso_tf_table_destroy(&table);
-    return status;
+    note(b, c, level, adapted, &f);
+    return ISO_OK;
 }
 
 static iso_status run_case(bound_bench *b, bound_case *c, iso_error *err)
@@ -159,14 +156,12 @@ static iso_status run_tf(void *user, const iso_lab_visited *v, iso_error *err)
 {
     bound_bench *b = user;
     const iso_progress progress = iso_cli_progress(b->cli);
-    iso_status status = ISO_OK;
-    for (int view = 0; view < b->views && status == ISO_OK; ++view) {
+    for (int view = 0; view < b->views; ++view) {
         const double done = ((double)v->number + (double)view / b->views) / (double)v->count;
         iso_progress_report(&progress, "cases", done);
-        status = run_case(b, &(bound_case){.volume = v->volume, .pyramid = v->pyramid, .tf = v->tf, .number = view},
-                          err);
+        NEED(run_case(b, &(bound_case){.volume = v->volume, .pyramid = v->pyramid, .tf = v->tf, .number = view}, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Returns the median of one cause's factor (their product is the bound's factor); NaN without --causes. */
@@ -243,9 +238,8 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     bound_bench *b = values;
     b->cli = cli;
-    iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){b->views, ISO_FACE_VIEWS, b->size, b->levels, 8},
-                                               err);
-    return status == ISO_OK ? run_all(b, err) : status;
+    NEED(iso_lab_check_pictures(&(iso_lab_pictures){b->views, ISO_FACE_VIEWS, b->size, b->levels, 8}, err));
+    return run_all(b, err);
 }
 
 const iso_command iso_lab_bound = {

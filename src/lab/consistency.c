@@ -105,7 +105,7 @@ static iso_status measure(bench_run *run, const bench_case *c, size_t level, sho
 {
     iso_status status = ISO_OK;
     for (int i = 0; i < run->views && status == ISO_OK; ++i) {
-        iso_image image;
+        OWNED(iso_image) image = {0};
         iso_metrics m;
         status = render(run, c->pyramid, level, &c->views[i], by, &image, err);
         if (status != ISO_OK)
@@ -115,7 +115,6 @@ static iso_status measure(bench_run *run, const bench_case *c, size_t level, sho
         r->flip += m.flip_mean / run->views;
         r->rmse += m.rmse / run->views;
         r->alpha_max = fmax(r->alpha_max, iso_lab_largest_alpha(&image));
-        iso_image_destroy(&image);
     }
     return status;
 }
@@ -169,31 +168,25 @@ static iso_status run_level(bench_run *run, const bench_case *c, size_t level, i
     const iso_pyramid *p = c->pyramid;
     const iso_view *views = c->views;
     case_result results[ISO_LAB_METHOD_COUNT] = {{0}};
-    iso_status status = ISO_OK;
-    for (int m = 0; m < ISO_LAB_METHOD_COUNT && status == ISO_OK; ++m) {
-        iso_tf_table table = {0};
+    for (int m = 0; m < ISO_LAB_METHOD_COUNT; ++m) {
+        OWNED(iso_tf_table) table = {0};
         if (!run->wanted[m])
             continue;
         iso_adapt_options opt = iso_lab_methods[m].options;
         opt.threads = run->cli->threads;
-        status = iso_adapt_level(p, iso_lab_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table,
-                                 &results[m].judgment, err);
-        iso_tf_2d tf_2d = {0};
-        if (status == ISO_OK && iso_lab_methods[m].tf_2d)
-            status = iso_adapt_tf_2d(p, level, iso_lab_methods[m].tf_2d, &views[0].tf, &opt, &tf_2d, err);
-        uint8_t *scale = NULL;
-        if (status == ISO_OK && iso_lab_methods[m].extinction_scale)
-            status = iso_extinction_scale_level(p, level, &views[0].tf, &table, opt.threads, &scale, err);
-        if (status == ISO_OK)
-            status = measure(run, c, level, (shown_by){&table, iso_lab_methods[m].tf_2d ? &tf_2d : NULL, scale},
-                             &results[m], err);
-        free(scale);
-        iso_tf_2d_destroy(&tf_2d);
-        iso_tf_table_destroy(&table);
+        NEED(iso_adapt_level(p, iso_lab_methods[m].adapt ? level : 0, &views[0].tf, &opt, &table, &results[m].judgment,
+                             err));
+        OWNED(iso_tf_2d) tf_2d = {0};
+        if (iso_lab_methods[m].tf_2d)
+            NEED(iso_adapt_tf_2d(p, level, iso_lab_methods[m].tf_2d, &views[0].tf, &opt, &tf_2d, err));
+        FREED uint8_t *scale = NULL;
+        if (iso_lab_methods[m].extinction_scale)
+            NEED(iso_extinction_scale_level(p, level, &views[0].tf, &table, opt.threads, &scale, err));
+        NEED(measure(run, c, level, (shown_by){&table, iso_lab_methods[m].tf_2d ? &tf_2d : NULL, scale}, &results[m],
+                     err));
     }
-    if (status == ISO_OK)
-        note_case(run, c, level, results);
-    return status;
+    note_case(run, c, level, results);
+    return ISO_OK;
 }
 
 static iso_status run_tf(bench_run *run, int block, const char *volume, const iso_pyramid *p, const iso_level_tf *tf,
@@ -220,14 +213,13 @@ static iso_status run_tf(bench_run *run, int block, const char *volume, const is
 
 static iso_status run_pyramid(bench_run *run, int block, const char *name, const iso_pyramid *p, iso_error *err)
 {
-    iso_status status = ISO_OK;
     for (size_t r = 0; r < iso_renderer_count(); ++r)
-        for (int t = 0; run->wanted_renderer[r] && t < ISO_LEVEL_TF_COUNT && status == ISO_OK; ++t) {
+        for (int t = 0; run->wanted_renderer[r] && t < ISO_LEVEL_TF_COUNT; ++t) {
             run->renderer = iso_renderer_at(r);
             if (run->wanted_tf[t])
-                status = run_tf(run, block, name, p, &iso_level_tfs[t], err);
+                NEED(run_tf(run, block, name, p, &iso_level_tfs[t], err));
         }
-    return status;
+    return ISO_OK;
 }
 
 static iso_pyramid_options pyramid_options(const bench_run *run)
@@ -243,11 +235,9 @@ static iso_status run_volume(bench_run *run, int block, const char *path, iso_er
 {
     iso_progress progress = iso_cli_progress(run->cli);
     iso_pyramid_options build = pyramid_options(run);
-    iso_pyramid p = {0};
-    iso_status status = iso_subject_load_pyramid(path, &run->input, &build, &progress, &p, err);
-    TRY(status, run_pyramid(run, block, iso_path_base(path), &p, err));
-    iso_pyramid_destroy(&p);
-    return status;
+    OWNED(iso_pyramid) p = {0};
+    NEED(iso_subject_load_pyramid(path, &run->input, &build, &progress, &p, err));
+    return run_pyramid(run, block, iso_path_base(path), &p, err);
 }
 
 /* Adds normal noise of a twentieth of the range: the sum of twelve numbers in [0, 1) less 6 has a deviation of 1. */
@@ -269,25 +259,20 @@ static iso_status run_analytic(bench_run *run, iso_error *err)
     static const iso_field_kind kinds[] = {ISO_FIELD_SHELLS, ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_NOISE};
     const size_t n = (size_t)run->analytic_size;
     iso_pyramid_options build = pyramid_options(run);
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds && status == ISO_OK && n > 0; ++i) {
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds && n > 0; ++i) {
         iso_field field = {.kind = kinds[i],
                            .seed = 1,
                            .geometry = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1})};
-        iso_volume v = {0};
-        iso_pyramid p = {0};
+        OWNED(iso_volume) v = {0};
+        OWNED(iso_pyramid) p = {0};
         char name[64];
         snprintf(name, sizeof name, "%s+noise", iso_field_name(kinds[i]));
-        status = iso_field_sample(&field, ISO_U8, &v, err);
-        if (status == ISO_OK) {
-            add_noise(&v, i + 1);
-            status = iso_pyramid_build(&v, name, &build, &p, NULL, err);
-        }
-        TRY(status, run_pyramid(run, HELD, name, &p, err));
-        iso_pyramid_destroy(&p);
-        iso_volume_destroy(&v);
+        NEED(iso_field_sample(&field, ISO_U8, &v, err));
+        add_noise(&v, i + 1);
+        NEED(iso_pyramid_build(&v, name, &build, &p, NULL, err));
+        NEED(run_pyramid(run, HELD, name, &p, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 static void report(bench_run *run)
@@ -338,14 +323,12 @@ static iso_status choose_renderers(bench_run *run, iso_error *err)
 
 static iso_status check_options(bench_run *run, const char *methods, iso_error *err)
 {
-    iso_status status = iso_lab_check_pictures(&(iso_lab_pictures){run->views, MAX_VIEWS, run->size, run->levels,
-                                                                   MAX_LEVELS},
-                                               err);
-    if (status == ISO_OK && run->analytic_size != 0)
-        status = iso_words_check_range("--analytic", run->analytic_size, 16, 512, err);
-    TRY(status, iso_lab_choose_methods(methods, run->wanted, err));
-    TRY(status, choose_tfs(run, err));
-    return status == ISO_OK ? choose_renderers(run, err) : status;
+    NEED(iso_lab_check_pictures(&(iso_lab_pictures){run->views, MAX_VIEWS, run->size, run->levels, MAX_LEVELS}, err));
+    if (run->analytic_size != 0)
+        NEED(iso_words_check_range("--analytic", run->analytic_size, 16, 512, err));
+    NEED(iso_lab_choose_methods(methods, run->wanted, err));
+    NEED(choose_tfs(run, err));
+    return choose_renderers(run, err);
 }
 
 static void apply_presets(bench_run *run)

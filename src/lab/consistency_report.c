@@ -142,8 +142,8 @@ static json_t *report_block(const block *b, bool print)
 {
     size_t left_out;
     const char *name = b->held ? "held back" : "given volumes", *method, *why;
-    json_t *methods = methods_of(b), *reasons = left_out_of(b, &left_out), *means = json_array(),
-           *behind = json_array();
+    json_t *reasons = left_out_of(b, &left_out), *means = json_array(), *behind = json_array();
+    json_auto_t *methods = methods_of(b);
     json_t *unused, *times;
     const size_t counted = summarize(b, "original", 0).case_count;
     if (print) {
@@ -166,7 +166,6 @@ static json_t *report_block(const block *b, bool print)
                 print_summary(&s, method, level);
         }
     }
-    json_decref(methods);
     return json_pack("{s:s, s:s, s:i, s:i, s:o, s:o, s:o}", "renderer", b->renderer, "block", name, "case_count",
                      (int)counted, "left_out_count", (int)left_out, "left_out", reasons, "means", means, "behind",
                      behind);

@@ -132,7 +132,7 @@ static void print_table(const descent *d, int steps)
 /* Writes columns renderer, kind, step, rmse, error bar. The limit is at half the finest step. */
 static iso_status draw(const convergence_options *o, const descent *d, size_t count, iso_error *err)
 {
-    char *csv = NULL;
+    FREED char *csv = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&csv, &size);
     if (!f)
@@ -150,7 +150,6 @@ static iso_status draw(const convergence_options *o, const descent *d, size_t co
     TRY(status, iso_gnuplot_draw(out.temp_path, "convergence", csv, iso_convergence_gp, o->format, err));
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
-    free(csv);
     return status;
 }
 

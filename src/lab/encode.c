@@ -166,25 +166,22 @@ static iso_status bench_schemes(size_t count, bool text, const iso_paper_table t
     for (int i = 0; i < TABLE_COUNT; ++i)
         schemes[n++] = (iso_scheme){table_names[i], ISO_CODE_REGION48, NULL, &tables[i]};
 
-    timing_buffers *b = malloc(sizeof *b);
+    FREED timing_buffers *b = malloc(sizeof *b);
     if (!b)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %d directions", (int)TIMED);
     random_directions(b->directions, TIMED);
     json_t *list = json_array();
     json_object_set_new(root, "schemes", list);
-    iso_status status = ISO_OK;
     if (text)
         print_scheme_head();
-    for (size_t i = 0; i < n && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < n; ++i) {
         scheme_result r;
-        status = measure_scheme(&schemes[i], i < ISO_CODE_COUNT ? count : count / 4, b, &r, err);
-        if (status == ISO_OK)
-            json_array_append_new(list, scheme_to_json(&schemes[i], &r));
-        if (status == ISO_OK && text)
+        NEED(measure_scheme(&schemes[i], i < ISO_CODE_COUNT ? count : count / 4, b, &r, err));
+        json_array_append_new(list, scheme_to_json(&schemes[i], &r));
+        if (text)
             print_scheme(&schemes[i], &r);
     }
-    free(b);
-    return status;
+    return ISO_OK;
 }
 
 /* ---- Table 3: generating the tables of T ---- */

@@ -104,26 +104,22 @@ static iso_status measure_level(const images_run *run, const iso_level *level, c
                                 image_error *errors, iso_error *err)
 {
     const size_t count = iso_geometry_voxel_count(&level->geometry);
-    uint8_t *bytes = malloc(6 * count);
-    float *vectors = malloc(3 * count * sizeof *vectors);
-    iso_image truth = {0};
+    FREED uint8_t *bytes = malloc(6 * count);
+    FREED float *vectors = malloc(3 * count * sizeof *vectors);
+    OWNED(iso_image) truth = {0};
     iso_status status = bytes && vectors
                             ? ISO_OK
                             : iso_fail(err, ISO_E_MEMORY, "isoshade-lab encode: no memory for %zu directions", count);
     TRY(status, render(run, level, ISO_CODE_SNORM, ISO_FROM_FLOAT, view, &truth, err));
     for (size_t c = 0; c < CODING_COUNT && status == ISO_OK; ++c) {
         iso_level coded;
-        iso_image image;
+        OWNED(iso_image) image = {0};
         iso_metrics m = {0};
         const iso_direction_source source = apply(&codings[c], level, &coded, bytes, vectors);
         status = render(run, &coded, codings[c].code, source, view, &image, err);
         TRY(status, iso_metrics_measure(&truth, &image, &m, err));
         errors[c] = (image_error){m.rmse, 0.5 * (1 - m.ssim)};
-        iso_image_destroy(&image);
     }
-    iso_image_destroy(&truth);
-    free(vectors);
-    free(bytes);
     return status;
 }
 
@@ -150,24 +146,21 @@ static iso_status run_volume(images_run *run, const char *path, iso_error *err)
     const iso_image_bench *b = run->bench;
     iso_progress progress = iso_cli_progress(run->cli);
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid p = {0};
-    iso_view view = {0};
+    OWNED(iso_pyramid) p = {0};
+    OWNED(iso_view) view = {0};
     image_error errors[CODING_COUNT] = {{0}};
     build.level_count = b->level_count;
     build.threads = run->cli->threads;
     build.keep_float = true;
-    iso_status status = iso_subject_load_pyramid(path, b->input, &build, &progress, &p, err);
-    if (status == ISO_OK && !p.levels[0].directions)
-        status = iso_fail(err, ISO_E_USAGE, "%s has no float directions; build it with --keep-float", path);
-    TRY(status, iso_subject_make_view(b->look, &p, &view, err));
-    for (size_t k = 0; k < p.level_count && k < b->level_count && status == ISO_OK; ++k) {
-        status = measure_level(run, &p.levels[k], &view, errors, err);
-        if (status == ISO_OK)
-            note(run, iso_path_base(path), k, errors);
+    NEED(iso_subject_load_pyramid(path, b->input, &build, &progress, &p, err));
+    if (!p.levels[0].directions)
+        return iso_fail(err, ISO_E_USAGE, "%s has no float directions; build it with --keep-float", path);
+    NEED(iso_subject_make_view(b->look, &p, &view, err));
+    for (size_t k = 0; k < p.level_count && k < b->level_count; ++k) {
+        NEED(measure_level(run, &p.levels[k], &view, errors, err));
+        note(run, iso_path_base(path), k, errors);
     }
-    iso_view_destroy(&view);
-    iso_pyramid_destroy(&p);
-    return status;
+    return ISO_OK;
 }
 
 static void summarize(const images_run *run, json_t *root)
@@ -195,13 +188,11 @@ static void summarize(const images_run *run, json_t *root)
 iso_status iso_lab_encode_images(const iso_cli *cli, const iso_image_bench *b, json_t *root, iso_error *err)
 {
     images_run run = {.cli = cli, .bench = b, .cases = json_array()};
-    iso_status status = ISO_OK;
     json_object_set_new(root, "images", run.cases);
     if (!cli->json)
         printf("In the image, against the same directions as floats: RMSE x 1e-5 and DSSIM x 1e-5\n");
-    for (size_t i = 0; i < cli->argument_count && status == ISO_OK; ++i)
-        status = run_volume(&run, cli->arguments[i], err);
-    if (status == ISO_OK)
-        summarize(&run, root);
-    return status;
+    for (size_t i = 0; i < cli->argument_count; ++i)
+        NEED(run_volume(&run, cli->arguments[i], err));
+    summarize(&run, root);
+    return ISO_OK;
 }

@@ -32,7 +32,7 @@ static iso_status draw_figure10(const char *dir, const json_t *sweep, iso_error 
                                  "set label 1 sprintf('%.4f at λ = %.2f', STATS_min_y, STATS_pos_min_y) at "
                                  "STATS_pos_min_y, STATS_min_y * 0.82 center\n"
                                  "plot data skip 1 using 1:2 with lines lt 1 notitle\n";
-    char *csv = NULL;
+    FREED char *csv = NULL;
     size_t size = 0, i;
     json_t *row;
     FILE *f = open_memstream(&csv, &size);
@@ -43,9 +43,7 @@ static iso_status draw_figure10(const char *dir, const json_t *sweep, iso_error 
         fprintf(f, "%.4g,%.6f\n", json_real_value(json_object_get(row, "lambda")),
                 json_real_value(json_object_get(row, "hole_deg")));
     fclose(f);
-    iso_status status = iso_gnuplot_draw(dir, "figure10", csv, script, "svg", err);
-    free(csv);
-    return status;
+    return iso_gnuplot_draw(dir, "figure10", csv, script, "svg", err);
 }
 
 iso_status iso_lab_encode_holes(bool text, const char *chart_dir, json_t *root, iso_error *err)

@@ -45,37 +45,34 @@ static iso_status look(ghost_case *c, size_t way, iso_small_views_input in, iso_
 static iso_status look_at_tables(ghost_case *c, iso_small_views_input in, const iso_tf_table *adapted, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
-    iso_tf_table table = {0};
+    OWNED(iso_tf_table) table = {0};
     opt.threads = c->threads;
     in.tfs[0] = c->tf;
-    iso_status status = look(c, ORIGINAL, in, err);
+    NEED(look(c, ORIGINAL, in, err));
     in.tfs[0] = adapted;
-    TRY(status, look(c, ADAPTED, in, err));
-    TRY(status, iso_adapt_level(c->pyramid, c->level, c->tf, &opt, &table, &c->judgment, err));
+    NEED(look(c, ADAPTED, in, err));
+    NEED(iso_adapt_level(c->pyramid, c->level, c->tf, &opt, &table, &c->judgment, err));
     in.tfs[0] = &table;
-    TRY(status, look(c, GUARDED, in, err));
-    iso_tf_table_destroy(&table);
-    return status;
+    return look(c, GUARDED, in, err);
 }
 
 static iso_status look_at_2d(ghost_case *c, iso_small_views_input in, iso_error *err)
 {
     iso_adapt_options opt = iso_adapt_defaults();
-    iso_tf_2d tf = {0};
+    OWNED(iso_tf_2d) tf = {0};
     opt.threads = c->threads;
     iso_status status = iso_adapt_tf_2d(c->pyramid, c->level, ISO_SECOND_VALUE_DEVIATION, c->tf, &opt, &tf, err);
     in.tfs_2d[0] = &tf;
     TRY(status, look(c, TF_2D, in, err));
-    iso_tf_2d_destroy(&tf);
     return status;
 }
 
 static iso_status look_at_scale(ghost_case *c, iso_small_views_input in, const iso_tf_table *adapted, iso_error *err)
 {
     const size_t n = iso_geometry_voxel_count(&c->pyramid->levels[c->level].geometry);
-    uint8_t *bytes = NULL;
+    FREED uint8_t *bytes = NULL;
     iso_status status = iso_extinction_scale_level(c->pyramid, c->level, c->tf, adapted, c->threads, &bytes, err);
-    float *octaves = malloc(n * sizeof *octaves);
+    FREED float *octaves = malloc(n * sizeof *octaves);
     if (status == ISO_OK && !octaves)
         status = iso_fail(err, ISO_E_MEMORY, "no memory for the scale of %zu voxels", n);
     for (size_t i = 0; i < n && status == ISO_OK; ++i)
@@ -83,8 +80,6 @@ static iso_status look_at_scale(ghost_case *c, iso_small_views_input in, const i
     in.tfs[0] = adapted;
     in.octaves[0] = octaves;
     TRY(status, look(c, SCALED, in, err));
-    free(bytes);
-    free(octaves);
     return status;
 }
 
@@ -110,22 +105,19 @@ static iso_status run_case(ghost_bench *b, ghost_case *c, iso_error *err)
 {
     const iso_level *fine = &c->pyramid->levels[0], *coarse = &c->pyramid->levels[c->level];
     iso_adapt_options always = iso_adapt_defaults();
-    uint8_t *empty = NULL;
-    iso_tf_table adapted = {0};
+    FREED uint8_t *empty = NULL;
+    OWNED(iso_tf_table) adapted = {0};
     always.fall_back = false;
     always.threads = c->threads;
-    iso_status status = iso_ghost_mask(fine, coarse, c->level, c->tf, c->threads, &empty, err);
-    TRY(status, iso_adapt_level(c->pyramid, c->level, c->tf, &always, &adapted, NULL, err));
+    NEED(iso_ghost_mask(fine, coarse, c->level, c->tf, c->threads, &empty, err));
+    NEED(iso_adapt_level(c->pyramid, c->level, c->tf, &always, &adapted, NULL, err));
     const iso_small_views_input in = {
         .fine = fine, .coarse = coarse, .level = c->level, .original = c->tf, .empty = empty, .threads = c->threads};
-    TRY(status, look_at_tables(c, in, &adapted, err));
-    TRY(status, look_at_2d(c, in, err));
-    TRY(status, look_at_scale(c, in, &adapted, err));
-    if (status == ISO_OK)
-        note(b, c);
-    iso_tf_table_destroy(&adapted);
-    free(empty);
-    return status;
+    NEED(look_at_tables(c, in, &adapted, err));
+    NEED(look_at_2d(c, in, err));
+    NEED(look_at_scale(c, in, &adapted, err));
+    note(b, c);
+    return ISO_OK;
 }
 
 /* Runs the transfer function of --tf once per volume, or the four that all benchmarks of levels use. */

@@ -85,11 +85,11 @@ static iso_status test_field(field_case f, iso_gradient_method method, int threa
 {
     const size_t n = f.n;
     iso_field field;
-    iso_volume v;
+    OWNED(iso_volume) v = {0};
     iso_status status = sample(f.kind, n, f.noise, &field, &v, err);
     if (status != ISO_OK)
         return status;
-    float *g = malloc(3 * n * n * n * sizeof *g);
+    FREED float *g = malloc(3 * n * n * n * sizeof *g);
     const iso_gradient_options opt = {.method = method, .threads = threads};
     *seconds = INFINITY;
     if (!g)
@@ -101,8 +101,6 @@ static iso_status test_field(field_case f, iso_gradient_method method, int threa
     }
     if (status == ISO_OK)
         *e = measure(&field, g, n);
-    free(g);
-    iso_volume_destroy(&v);
     return status;
 }
 
@@ -111,24 +109,19 @@ static iso_status measure_method(iso_gradient_method method, size_t n, double no
 {
     field_errors coarse, fine, lobb, sphere, noisy;
     double seconds;
-    iso_status status = test_field((field_case){ISO_FIELD_NOISE, n, 0}, method, threads, &coarse, &seconds, err);
-    if (status == ISO_OK)
-        status = test_field((field_case){ISO_FIELD_MARSCHNER_LOBB, n, 0}, method, threads, &lobb, &seconds, err);
-    if (status == ISO_OK)
-        status = test_field((field_case){ISO_FIELD_SPHERE, n, 0}, method, threads, &sphere, &seconds, err);
-    if (status == ISO_OK)
-        status = test_field((field_case){ISO_FIELD_SPHERE, n, noise}, method, threads, &noisy, &seconds, err);
-    if (status == ISO_OK)
-        status = test_field((field_case){ISO_FIELD_NOISE, 2 * n, 0}, method, threads, &fine, &seconds, err);
-    if (status == ISO_OK)
-        *r = (gradient_result){log2(coarse.rms / fine.rms),
-                               lobb.mean_deg,
-                               lobb.max_deg,
-                               sphere.mean_deg,
-                               sphere.max_deg,
-                               noisy.mean_deg,
-                               1e9 * seconds / (8 * (double)(n * n * n))};
-    return status;
+    NEED(test_field((field_case){ISO_FIELD_NOISE, n, 0}, method, threads, &coarse, &seconds, err));
+    NEED(test_field((field_case){ISO_FIELD_MARSCHNER_LOBB, n, 0}, method, threads, &lobb, &seconds, err));
+    NEED(test_field((field_case){ISO_FIELD_SPHERE, n, 0}, method, threads, &sphere, &seconds, err));
+    NEED(test_field((field_case){ISO_FIELD_SPHERE, n, noise}, method, threads, &noisy, &seconds, err));
+    NEED(test_field((field_case){ISO_FIELD_NOISE, 2 * n, 0}, method, threads, &fine, &seconds, err));
+    *r = (gradient_result){log2(coarse.rms / fine.rms),
+                           lobb.mean_deg,
+                           lobb.max_deg,
+                           sphere.mean_deg,
+                           sphere.max_deg,
+                           noisy.mean_deg,
+                           1e9 * seconds / (8 * (double)(n * n * n))};
+    return ISO_OK;
 }
 
 static void report(const iso_cli *cli, size_t n, double noise, const gradient_result results[ISO_GRADIENT_COUNT])
@@ -177,12 +170,10 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     const gradient_options *o = values;
     gradient_result results[ISO_GRADIENT_COUNT];
-    iso_status status = ISO_OK;
-    for (int i = 0; i < ISO_GRADIENT_COUNT && status == ISO_OK; ++i)
-        status = measure_method((iso_gradient_method)i, (size_t)o->size, o->noise, cli->threads, &results[i], err);
-    if (status == ISO_OK)
-        report(cli, (size_t)o->size, o->noise, results);
-    return status;
+    for (int i = 0; i < ISO_GRADIENT_COUNT; ++i)
+        NEED(measure_method((iso_gradient_method)i, (size_t)o->size, o->noise, cli->threads, &results[i], err));
+    report(cli, (size_t)o->size, o->noise, results);
+    return ISO_OK;
 }
 
 const iso_command iso_lab_gradient = {

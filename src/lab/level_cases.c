@@ -103,7 +103,7 @@ static void write_row(const iso_level_cases *c, const iso_level_case *one, size_
 
 iso_status iso_level_cases_write_csv(const iso_level_cases *c, const char *path, iso_error *err)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
     if (!memory)
@@ -114,9 +114,7 @@ iso_status iso_level_cases_write_csv(const iso_level_cases *c, const char *path,
             if (c->cases[i].results[m].measured)
                 write_row(c, &c->cases[i], m, memory);
     fclose(memory);
-    iso_status status = iso_file_write(path, text, size, err);
-    free(text);
-    return status;
+    return iso_file_write(path, text, size, err);
 }
 
 /* ---- reading ---- */
@@ -198,7 +196,7 @@ static iso_status read_row(iso_level_cases *c, char *line, iso_error *err)
 
 static bool is_heading(const char *line)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
     if (!memory)
@@ -206,7 +204,6 @@ static bool is_heading(const char *line)
     write_heading(memory);
     fclose(memory);
     const bool same = size > 0 && strncmp(text, line, size - 1) == 0 && strlen(line) == size - 1;
-    free(text);
     return same;
 }
 

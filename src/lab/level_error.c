@@ -36,14 +36,12 @@ iso_status iso_level_error_measure(const iso_image *finest, const iso_image *sho
     *e = (iso_level_error){0};
     NEED(iso_ssim_foreground(finest, shown, &ssim, err));
     e->dssim = (1 - ssim) / 2;
-    float *flip = malloc(finest->width * finest->height * sizeof *flip);
+    FREED float *flip = malloc(finest->width * finest->height * sizeof *flip);
     if (!flip)
         return iso_fail(err, ISO_E_MEMORY, "no memory for FLIP of %zux%zu pixels", finest->width, finest->height);
-    iso_status status = iso_flip_ldr(finest, shown, ISO_FLIP_PIXELS_PER_DEGREE, flip, err);
-    if (status == ISO_OK)
-        measure_shown(finest, shown, flip, e);
-    free(flip);
-    return status;
+    NEED(iso_flip_ldr(finest, shown, ISO_FLIP_PIXELS_PER_DEGREE, flip, err));
+    measure_shown(finest, shown, flip, e);
+    return ISO_OK;
 }
 
 static void mean_of_box(const iso_image *image, size_t n, size_t column, size_t row, float mean[4])

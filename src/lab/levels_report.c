@@ -70,7 +70,7 @@ static double best_of(const iso_level_cases *c, const iso_level_case *one)
 static summary summarize(const iso_level_cases *c, bool held, size_t level, size_t method)
 {
     summary s = {0};
-    double *ratios = calloc(c->count + 1, sizeof *ratios);
+    FREED double *ratios = calloc(c->count + 1, sizeof *ratios);
     for (int f = 0; ratios && f < FIGURES; ++f) {
         size_t count = 0;
         for (size_t i = 0; i < c->count; ++i) {
@@ -91,7 +91,6 @@ static summary summarize(const iso_level_cases *c, bool held, size_t level, size
         s.count = count;
         s.ratios[f] = iso_ratios_summarize(ratios, count);
     }
-    free(ratios);
     return s;
 }
 

@@ -36,7 +36,7 @@ static iso_status fit_and_measure(const iso_direction_set *fitted_to, const iso_
                                   const iso_rival_options *opt, size_t *entries, iso_palette_error *e, double *seconds,
                                   iso_error *err)
 {
-    iso_palette p;
+    OWNED(iso_palette) p = {0};
     double start = processor_seconds();
     iso_status status = iso_rival_palette_fit(fitted_to, opt, &p, err);
     *seconds = processor_seconds() - start;
@@ -44,7 +44,6 @@ static iso_status fit_and_measure(const iso_direction_set *fitted_to, const iso_
         return status;
     *entries = p.count - 1;
     status = iso_palette_measure(set, &p, e, err);
-    iso_palette_destroy(&p);
     return status;
 }
 
@@ -119,13 +118,12 @@ static void table_head(const palette_bench *b, const char *title)
 
 static iso_status ellipsoid_sets(const palette_bench *b, bool on_surface, iso_direction_set *sets, iso_error *err)
 {
-    float *vectors = malloc(3 * ELLIPSOID_POINTS * sizeof *vectors);
+    FREED float *vectors = malloc(3 * ELLIPSOID_POINTS * sizeof *vectors);
     iso_status status = vectors ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %d gradients", ELLIPSOID_POINTS);
     for (int i = 0; i < b->seeds && status == ISO_OK; ++i) {
         iso_ellipsoid_gradients(vectors, ELLIPSOID_POINTS, on_surface, (uint64_t)i + 1);
         status = iso_direction_set_create(&sets[i], vectors, NULL, ELLIPSOID_POINTS, err);
     }
-    free(vectors);
     return status;
 }
 
@@ -199,7 +197,7 @@ static iso_status assign_case(const palette_bench *b, const iso_direction_set *s
 {
     const char *what = to->name;
     iso_rival_options opt = method_options(b, ISO_RIVAL_KMEANSPP, directions);
-    iso_palette p;
+    OWNED(iso_palette) p = {0};
     iso_palette_lookup *lookup;
     NEED(iso_rival_palette_fit(set, &opt, &p, err));
     double start = iso_clock_seconds();
@@ -217,7 +215,6 @@ static iso_status assign_case(const palette_bench *b, const iso_direction_set *s
                    directions, rate, build, 1e-6 * (double)iso_palette_lookup_bytes(lookup), wrong, ASSIGN_COUNT / 50);
     }
     iso_palette_lookup_destroy(lookup);
-    iso_palette_destroy(&p);
     return status;
 }
 
@@ -280,7 +277,7 @@ iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, js
     static const iso_palette_rival methods[] = {ISO_RIVAL_KMEANS, ISO_RIVAL_KMEANSPP, ISO_RIVAL_ANNEAL, ISO_RIVAL_FACES,
                                                 ISO_RIVAL_FIBONACCI};
     const char *name = iso_path_base(path);
-    iso_direction_set set, coarse = {0};
+    OWNED(iso_direction_set) set = {0}, coarse = {0};
     double seconds;
     NEED(iso_palette_bench_sample(b, path, &set, &seconds, err));
     iso_status status = iso_direction_set_coarsen(&set, ANNEAL_CELLS, &coarse, err);
@@ -294,8 +291,6 @@ iso_status iso_palette_bench_volume(const palette_bench *b, const char *path, js
     json_t *first = json_array_get(rows, json_array_size(rows) - 3 * sizeof methods / sizeof *methods);
     if (status == ISO_OK && first)
         json_object_set_new(first, "read_seconds", json_real(seconds));
-    iso_direction_set_destroy(&set);
-    iso_direction_set_destroy(&coarse);
     return status;
 }
 

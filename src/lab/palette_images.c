@@ -43,10 +43,8 @@ static iso_status default_view(stage *s, iso_error *err)
                                     {0.6, {1, 0.95, 0.9}, 0.7},
                                     {1, {1, 1, 1}, 0.9}};
     size_t width = 256, height = 256;
-    iso_status status = s->bench->look.size ? iso_subject_parse_image_size(s->bench->look.size, &width, &height, err)
-                                            : ISO_OK;
-    if (status != ISO_OK)
-        return status;
+    if (s->bench->look.size)
+        NEED(iso_subject_parse_image_size(s->bench->look.size, &width, &height, err));
     const iso_level *level = &s->pyramid.levels[0];
     iso_scene scene = {.path = "bench",
                        .width = width,
@@ -138,21 +136,17 @@ static iso_status code_row(stage *s, iso_code code, iso_error *err)
 {
     iso_level level = s->pyramid.levels[0];
     size_t count = iso_geometry_voxel_count(&level.geometry);
-    uint8_t *bytes = malloc(3 * count);
-    float *decoded = malloc(3 * count * sizeof *decoded);
-    iso_status status = bytes && decoded ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu directions", count);
-    if (status == ISO_OK) {
-        double start = iso_clock_seconds();
-        iso_code_encode(code, level.directions, bytes, count);
-        method m = {iso_code_describe(code)->name, 3, iso_clock_seconds() - start, 0};
-        iso_code_decode_all(code, bytes, decoded, count);
-        m.rms_deg = rms_angle_deg(level.directions, decoded, count);
-        level.codes = bytes;
-        status = add_row(s, &level, (directions_by){code, ISO_FROM_CODES, false}, &m, err);
-    }
-    free(bytes);
-    free(decoded);
-    return status;
+    FREED uint8_t *bytes = malloc(3 * count);
+    FREED float *decoded = malloc(3 * count * sizeof *decoded);
+    if (!bytes || !decoded)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu directions", count);
+    double start = iso_clock_seconds();
+    iso_code_encode(code, level.directions, bytes, count);
+    method m = {iso_code_describe(code)->name, 3, iso_clock_seconds() - start, 0};
+    iso_code_decode_all(code, bytes, decoded, count);
+    m.rms_deg = rms_angle_deg(level.directions, decoded, count);
+    level.codes = bytes;
+    return add_row(s, &level, (directions_by){code, ISO_FROM_CODES, false}, &m, err);
 }
 
 /* ---- palettes -------------------------------------------------------------------------------- */
@@ -188,8 +182,8 @@ static iso_status palette_rows(stage *s, iso_palette_rival how, size_t direction
 {
     char name[64];
     iso_level level = s->pyramid.levels[0];
-    iso_direction_set set = {0};
-    iso_palette palette = {0};
+    OWNED(iso_direction_set) set = {0};
+    OWNED(iso_palette) palette = {0};
     iso_palette_error e = {0};
     iso_rival_options opt = iso_rival_defaults();
     opt.method = how;
@@ -218,8 +212,6 @@ static iso_status palette_rows(stage *s, iso_palette_rival how, size_t direction
         status = add_row(s, &level, (directions_by){s->pyramid.options.code, ISO_FROM_PALETTE_NEAREST, true}, &m, err);
     }
     iso_level_detach_palette(&level);
-    iso_palette_destroy(&palette);
-    iso_direction_set_destroy(&set);
     return status;
 }
 

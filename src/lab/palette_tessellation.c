@@ -60,38 +60,31 @@ static void svg_write(FILE *file, const iso_tessellation *t, const iso_direction
 static iso_status save(const iso_tessellation *t, const iso_direction_set *set, const char *path, iso_error *err)
 {
     const view v = front_view();
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
     if (memory)
         svg_write(memory, t, set, &v);
     bool good = memory && fclose(memory) == 0;
-    iso_status status = good ? iso_file_write(path, text, size, err)
-                             : iso_fail(err, ISO_E_MEMORY, "%s: no memory for its text", path);
-    free(text);
-    return status;
+    return good ? iso_file_write(path, text, size, err)
+                : iso_fail(err, ISO_E_MEMORY, "%s: no memory for its text", path);
 }
 
 iso_status iso_palette_bench_tessellation(const palette_bench *b, iso_error *err)
 {
     enum { POINTS = 5000 };
     iso_rival_options opt = iso_rival_defaults();
-    iso_direction_set set = {0};
-    iso_palette palette = {0};
-    iso_tessellation tessellation = {0};
-    float *vectors = malloc(3 * POINTS * sizeof *vectors);
+    OWNED(iso_direction_set) set = {0};
+    OWNED(iso_palette) palette = {0};
+    OWNED(iso_tessellation) tessellation = {0};
+    FREED float *vectors = malloc(3 * POINTS * sizeof *vectors);
     opt.fit.directions = (size_t)b->entries;
     opt.anneal.cycles = (size_t)b->cycles;
     opt.anneal.steps = (size_t)b->steps;
     if (vectors)
         iso_ellipsoid_gradients(vectors, POINTS, false, 1);
-    iso_status status = vectors ? iso_direction_set_create(&set, vectors, NULL, POINTS, err)
-                                : iso_fail(err, ISO_E_MEMORY, "no memory for %d gradients", POINTS);
-    TRY(status, iso_rival_palette_anneal(&set, &opt, &palette, &tessellation, err));
-    TRY(status, save(&tessellation, &set, b->tessellation, err));
-    iso_tessellation_destroy(&tessellation);
-    iso_palette_destroy(&palette);
-    iso_direction_set_destroy(&set);
-    free(vectors);
-    return status;
+    NEED(vectors ? iso_direction_set_create(&set, vectors, NULL, POINTS, err)
+                 : iso_fail(err, ISO_E_MEMORY, "no memory for %d gradients", POINTS));
+    NEED(iso_rival_palette_anneal(&set, &opt, &palette, &tessellation, err));
+    return save(&tessellation, &set, b->tessellation, err);
 }

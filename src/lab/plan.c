@@ -49,29 +49,25 @@ typedef struct bench_state {
 static iso_status measure_vdbs(bench_state *s, iso_error *err)
 {
     const iso_vdb_options options = iso_vdb_defaults();
-    iso_status status = ISO_OK;
-    for (int m = 0; m < MODEL_COUNT && status == ISO_OK; ++m) {
-        char *path = iso_path_join(s->folder, "model.vdb");
-        iso_planned_lattices lattices = {0};
+    for (int m = 0; m < MODEL_COUNT; ++m) {
+        FREED char *path = iso_path_join(s->folder, "model.vdb");
+        OWNED(iso_planned_lattices) lattices = {0};
         if (m == FULL)
-            status = iso_vdb_save(s->pyramid, 0, 1, path, &options, NULL, err);
+            NEED(iso_vdb_save(s->pyramid, 0, 1, path, &options, NULL, err));
         else
-            status = iso_planned_lattices_create(&s->planned, m == MERGED, false, s->bench->cli->threads, &lattices,
-                                                 err);
-        if (m != FULL && status == ISO_OK)
-            status = iso_vdb_save_lattices(lattices.items, lattices.count, NULL, path, &options, NULL, err);
-        TRY(status, iso_vdb_measure(path, &s->entries[m].vdb, err));
-        iso_planned_lattices_destroy(&lattices);
-        free(path);
+            NEED(iso_planned_lattices_create(&s->planned, m == MERGED, false, s->bench->cli->threads, &lattices, err));
+        if (m != FULL)
+            NEED(iso_vdb_save_lattices(lattices.items, lattices.count, NULL, path, &options, NULL, err));
+        NEED(iso_vdb_measure(path, &s->entries[m].vdb, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status measure_df3s(bench_state *s, iso_error *err)
 {
     iso_povray_options o = iso_povray_defaults();
-    iso_planned_crop crop = {0};
-    char *full = iso_path_join(s->folder, "full"), *planned = iso_path_join(s->folder, "planned");
+    OWNED(iso_planned_crop) crop = {0};
+    FREED char *full = iso_path_join(s->folder, "full"), *planned = iso_path_join(s->folder, "planned");
     o.df3_bits = 16;
     o.planes = 0;
     iso_status status = iso_povray_export(s->pyramid, 0, s->views, full, &o, NULL, err);
@@ -82,9 +78,6 @@ static iso_status measure_df3s(bench_state *s, iso_error *err)
     TRY(status, iso_povray_export(&cropped, 0, s->views, planned, &o, NULL, err));
     s->entries[FULL].df3_bytes = iso_povray_df3_bytes(full);
     s->entries[MERGED].df3_bytes = iso_povray_df3_bytes(planned);
-    iso_planned_crop_destroy(&crop);
-    free(planned);
-    free(full);
     return status;
 }
 
@@ -93,7 +86,7 @@ static iso_status measure_cycles(bench_state *s, const iso_progress *progress, i
 {
     iso_view view = s->views[0];
     iso_blender_options o = iso_blender_defaults();
-    iso_planned_lattices lattices = {0};
+    OWNED(iso_planned_lattices) lattices = {0};
     const iso_node_levels *n = &s->planned.nodes;
     iso_metrics measured = {0};
     if (!s->bench->cycles)
@@ -110,7 +103,6 @@ static iso_status measure_cycles(bench_state *s, const iso_progress *progress, i
     TRY(status, iso_metrics_measure(&s->entries[LEVELS].image, &s->entries[FULL].image, &measured, err));
     s->cycles_rmse = measured.rmse;
     s->cycles_max = measured.max_abs;
-    iso_planned_lattices_destroy(&lattices);
     return status;
 }
 
@@ -119,20 +111,17 @@ static iso_status measure_bake(bench_state *s, iso_error *err)
 {
     const iso_node_levels *n = s->planner.nodes;
     size_t count = iso_brick_count(n);
-    uint8_t *zero = calloc(count, 1), *all = malloc(count);
+    FREED uint8_t *zero = calloc(count, 1), *all = malloc(count);
     iso_status status = zero && all ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "isoshade-lab plan: out of memory");
     for (int k = 0; k < 2 && status == ISO_OK; ++k) {
         const iso_brick_field field = {.nodes = n, .levels = k ? s->planner.best.levels : zero};
-        iso_brick_store store = {0};
+        OWNED(iso_brick_store) store = {0};
         memset(all, 1, count);
         double start = iso_clock_seconds();
         status = iso_brick_store_update(&store, &field, k ? s->planner.best.drawn : all, s->bench->cli->threads, NULL,
                                         err);
         s->bake_seconds[k] = iso_clock_seconds() - start;
-        iso_brick_store_destroy(&store);
     }
-    free(zero);
-    free(all);
     return status;
 }
 
@@ -142,17 +131,13 @@ static iso_status make_plan(bench_state *s, iso_node_levels *nodes, const iso_pr
     const iso_planner_options opt = {s->views, 1, ISO_FACES_BAKED, s->bench->cli->threads};
     NEED(iso_planner_create(&s->planner, nodes, &opt, progress, err));
     NEED(iso_planner_search(&s->planner, s->bench->error, 0, progress, err));
-    char *path = iso_path_join(s->folder, "plan.json");
-    json_t *plan = iso_planner_json(&s->planner, s->bench->error);
-    iso_status status = iso_json_save(path, plan, err);
-    json_decref(plan);
-    if (status == ISO_OK)
-        status = iso_planned_create(path,
-                                    &(iso_planned_subject){&s->pyramid->levels[0], s->pyramid->options.code,
-                                                           &s->views[0].tf, 1},
-                                    s->bench->cli->threads, &s->planned, err);
-    free(path);
-    return status;
+    FREED char *path = iso_path_join(s->folder, "plan.json");
+    json_auto_t *plan = iso_planner_json(&s->planner, s->bench->error);
+    NEED(iso_json_save(path, plan, err));
+    return iso_planned_create(path,
+                              &(iso_planned_subject){&s->pyramid->levels[0], s->pyramid->options.code, &s->views[0].tf,
+                                                     1},
+                              s->bench->cli->threads, &s->planned, err);
 }
 
 /* ---- the table --------------------------------------------------------------------- */
@@ -264,7 +249,7 @@ static iso_status bench(const plan_bench *b, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(b->cli);
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid pyramid = {0};
+    OWNED(iso_pyramid) pyramid = {0};
     iso_node_levels nodes = {0};
     bench_state s = {.bench = b, .pyramid = &pyramid};
     iso_subject_look look;
@@ -283,7 +268,6 @@ static iso_status bench(const plan_bench *b, iso_error *err)
     TRY(status, run_all(&s, &nodes, err));
     iso_node_levels_destroy(&nodes);
     iso_planner_destroy_views(s.views, view_count);
-    iso_pyramid_destroy(&pyramid);
     return status;
 }
 

@@ -273,9 +273,10 @@ typedef struct outcome {
  * pixels are drawn. *holds: True if pictures alone put a level behind the simple way there, too. */
 static iso_status ask_again(const char *folder, const words *made, const words *validated, bool *holds, iso_error *err)
 {
-    words *make = malloc(2 * sizeof *make), *validate = make + 1;
-    json_t *report = NULL;
-    char *result = iso_path_join(folder, "again/report.json");
+    FREED words *make = malloc(2 * sizeof *make);
+    words *validate = make + 1;
+    json_auto_t *report = NULL;
+    FREED char *result = iso_path_join(folder, "again/report.json");
     int code = 0;
     iso_status status = make && result ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "isoshade-lab power: out of memory");
     if (status == ISO_OK) {
@@ -291,9 +292,6 @@ static iso_status ask_again(const char *folder, const words *made, const words *
     if (code == ISO_E_DIFFERS)
         TRY(status, iso_json_load(result, &report, err));
     *holds = report && iso_power_is_finding(report);
-    json_decref(report);
-    free(result);
-    free(make);
     return status;
 }
 
@@ -309,12 +307,13 @@ static iso_status run_scene(const iso_power_random_options *o, const char *base,
                             iso_error *err)
 {
     iso_random r = {.state = (uint64_t)o->seed * 1000003u + number};
-    words *make = calloc(2, sizeof *make), *validate = make + 1;
+    FREED words *make = calloc(2, sizeof *make);
+    words *validate = make + 1;
     char name[32], what[400];
     snprintf(name, sizeof name, "%zu", number);
-    char *folder = iso_path_join(base, name), *path = folder ? iso_path_join(folder, "s.scene.json") : NULL,
-         *result = folder ? iso_path_join(folder, "report/report.json") : NULL;
-    json_t *scene = random_scene(&r), *report = NULL;
+    FREED char *folder = iso_path_join(base, name), *path = folder ? iso_path_join(folder, "s.scene.json") : NULL,
+               *result = folder ? iso_path_join(folder, "report/report.json") : NULL;
+    json_auto_t *scene = random_scene(&r), *report = NULL;
     int code = 0;
     iso_status status = make && path && result && scene
                             ? ISO_OK
@@ -341,14 +340,8 @@ static iso_status run_scene(const iso_power_random_options *o, const char *base,
         if (out->alarm && iso_power_is_finding(report))
             status = ask_again(folder, make, validate, &out->is_finding, err);
     }
-    json_decref(report);
-    json_decref(scene);
     if (folder)
         iso_remove_tree(folder);
-    free(folder);
-    free(path);
-    free(result);
-    free(make);
     return status;
 }
 
@@ -406,12 +399,11 @@ static void print_sums(const iso_power_random_options *o, const sums *s)
     size_t i;
     json_t *alarm;
     json_array_foreach (s->list, i, alarm) {
-        char *scene = iso_json_text(json_object_get(alarm, "scene"), JSON_COMPACT);
+        FREED char *scene = iso_json_text(json_object_get(alarm, "scene"), JSON_COMPACT);
         printf("scene %lld: %s\n    %s\n    %s\n    %s\n    %s\n    s.scene.json: %s\n",
                (long long)json_integer_value(json_object_get(alarm, "number")), iso_row_text(alarm, "row"),
                iso_row_text(alarm, "sentence"), iso_row_text(alarm, "levels_sentence"), iso_row_text(alarm, "make"),
                iso_row_text(alarm, "validate"), scene ? scene : "");
-        free(scene);
     }
     printf("%zu random scenes by %s, seed %d: %zu false alarm%s (a rate below %.2g %%, at 95 %% confidence)\n",
            s->valid, o->with, o->seed, s->alarms, iso_words_plural(s->alarms),
@@ -437,7 +429,7 @@ iso_status iso_power_random(const iso_power_random_options *o, const iso_cli *cl
 {
     const iso_progress progress = iso_cli_progress(cli);
     sums s = {.list = json_array()};
-    char *folder = iso_make_temp_dir();
+    FREED char *folder = iso_make_temp_dir();
     iso_status status = folder && s.list ? ISO_OK : iso_temp_dir_fail(err);
     /* One thread per scene: threads that wait for each other in small pictures cost more processor time. */
     setenv("OMP_WAIT_POLICY", "passive", 0);
@@ -450,7 +442,6 @@ iso_status iso_power_random(const iso_power_random_options *o, const iso_cli *cl
         print_sums(o, &s);
     if (folder)
         iso_remove_tree(folder);
-    free(folder);
     json_decref(s.list);
     return status != ISO_OK || s.alarms == 0
                ? status

@@ -208,10 +208,9 @@ void iso_power_close(iso_power_case *c)
 /* Rebuilds the scene for each fault, since the fault changes it. */
 static iso_status make_faulty(const iso_power_case *c, const iso_planted *planted, power_scene *s, iso_error *err)
 {
-    iso_status status = make_scene(c, s, err);
-    if (status == ISO_OK)
-        iso_plant(planted, &s->pyramid, 0, &s->view);
-    return status;
+    NEED(make_scene(c, s, err));
+    iso_plant(planted, &s->pyramid, 0, &s->view);
+    return ISO_OK;
 }
 
 static iso_status render_faulty(iso_renderers *r, const iso_power_case *c, const iso_planted *planted,
@@ -233,13 +232,12 @@ static iso_status render_faulty(iso_renderers *r, const iso_power_case *c, const
 iso_status iso_power_change(iso_renderers *r, const iso_power_case *c, const iso_planted *planted, double *rmse,
                             iso_error *err)
 {
-    iso_image image;
+    OWNED(iso_image) image = {0};
     iso_metrics m = {0};
     const iso_render_options opt = reference_options(c, ISO_QUADRATURE_MIDPOINT);
     iso_status status = render_faulty(r, c, planted, &opt, &image, err);
     TRY(status, iso_metrics_measure(&c->midpoint, &image, &m, err));
     *rmse = m.rmse;
-    iso_image_destroy(&image);
     return status;
 }
 
@@ -254,7 +252,7 @@ static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const
                                 const iso_planted *planted, bool *rejected, iso_error *err)
 {
     const size_t index = iso_renderer_index(renderer);
-    iso_image image = {0};
+    OWNED(iso_image) image = {0};
     power_scene s;
     iso_render_options opt = iso_render_defaults(renderer);
     iso_report_agreement row = {.error_bar = NAN, .tolerances = c->lock_step[index]};
@@ -270,7 +268,6 @@ static iso_status ask_lock_step(iso_renderers *r, const iso_power_case *c, const
     clear_scene(&s);
     TRY(status, iso_metrics_measure(&c->same_samples[index], &image, &row.metrics, err));
     *rejected = status == ISO_OK && is_rejected(&row);
-    iso_image_destroy(&image);
     return status;
 }
 
@@ -314,13 +311,11 @@ iso_status iso_power_run_deviation_gate(iso_renderers *r, const iso_power_case *
 {
     const iso_planted inverse = iso_planted_inverse(deviation);
     const iso_render_options opt = gate_reference_options(c, gate, renderer);
-    iso_image truth;
+    OWNED(iso_image) truth = {0};
     iso_power_case other = *c; /* borrows all members that it does not replace */
-    iso_status status = render_faulty(r, c, &inverse, &opt, &truth, err);
+    NEED(render_faulty(r, c, &inverse, &opt, &truth, err));
     other.converged = other.same_samples[iso_renderer_index(renderer)] = truth;
-    TRY(status, iso_power_run_gate(r, &other, gate, renderer, NULL, rejected, err));
-    iso_image_destroy(&truth);
-    return status;
+    return iso_power_run_gate(r, &other, gate, renderer, NULL, rejected, err);
 }
 
 /* ---- noise ------------------------------------------------------------------------------ */
@@ -341,26 +336,22 @@ static iso_status test_group(const iso_image *limits, size_t count, const iso_im
                              iso_error *err)
 {
     const double least_deviation = 1e-6; /* floats round by 6e-8 */
-    iso_samples s;
+    OWNED(iso_samples) s = {0};
     iso_noise_test test;
-    iso_status status = iso_samples_create(&s, others, err);
-    for (size_t k = 0; k < count && status == ISO_OK; ++k)
-        status = iso_samples_add(&s, &limits[k], err);
-    for (size_t i = 0; i < 4 * others->width * others->height && status == ISO_OK; ++i) {
+    NEED(iso_samples_create(&s, others, err));
+    for (size_t k = 0; k < count; ++k)
+        NEED(iso_samples_add(&s, &limits[k], err));
+    for (size_t i = 0; i < 4 * others->width * others->height; ++i) {
         const bool noisy = s.squares[i] > least_deviation * least_deviation * (double)(count - 1);
         out->tests += noisy;
         s.mean[i] = noisy ? s.mean[i] : (double)others->rgba[i];
     }
-    if (status == ISO_OK)
-        status = iso_samples_test(&s,
-                                  &(iso_noise_options){
-                                      .significance = -expm1(4 * (double)(others->width * others->height) *
-                                                             log1p(-ISO_POWER_NOISE_P))},
-                                  &test, err);
-    if (status == ISO_OK)
-        out->below += test.rejected;
-    iso_samples_destroy(&s);
-    return status;
+    NEED(iso_samples_test(&s,
+                          &(iso_noise_options){.significance = -expm1(4 * (double)(others->width * others->height) *
+                                                                      log1p(-ISO_POWER_NOISE_P))},
+                          &test, err));
+    out->below += test.rejected;
+    return ISO_OK;
 }
 
 /* Tests each group. images: per group the seeds' at the double step, then at the step; limits: one per seed. */
@@ -369,7 +360,7 @@ static iso_status test_groups(const iso_power_case *c, size_t groups, double fac
 {
     const size_t n = c->seeds;
     iso_extrapolation unused;
-    iso_image others = {0};
+    OWNED(iso_image) others = {0};
     iso_status status = iso_image_create(&others, c->pixels, c->pixels, err);
     for (size_t i = 0; i < groups * n && status == ISO_OK; ++i) {
         const iso_image *coarse = images + 2 * n * (i / n) + i % n;
@@ -385,7 +376,6 @@ static iso_status test_groups(const iso_power_case *c, size_t groups, double fac
         mean_of_others(limits, groups * n, g * n, n, &others);
         TRY(status, test_group(limits + g * n, n, &others, out, err));
     }
-    iso_image_destroy(&others);
     return status;
 }
 
@@ -397,8 +387,8 @@ const size_t iso_power_block_seeds[ISO_POWER_BLOCKS] = {3, 4, 16}, iso_power_blo
 static iso_status see_block(const iso_extrapolation_input *of, size_t side, double amount, bool *seen, iso_error *err)
 {
     const size_t width = of->reference->width, from = (width - side) / 2;
-    iso_image dark = {0};
-    iso_extrapolated limit = {.seeds = of->seeds};
+    OWNED(iso_image) dark = {0};
+    OWNED(iso_extrapolated) limit = {.seeds = of->seeds};
     iso_status status = iso_image_create(&dark, width, of->reference->height, err);
     if (status == ISO_OK)
         memcpy(dark.rgba, of->reference->rgba, 4 * width * of->reference->height * sizeof *dark.rgba);
@@ -408,8 +398,6 @@ static iso_status see_block(const iso_extrapolation_input *of, size_t side, doub
         status = iso_extrapolate(&(iso_extrapolation_input){of->images, of->seeds, &dark, of->factor, NULL, false}, &limit,
                                  err);
     *seen = status == ISO_OK && limit.noise.rejected > 0;
-    iso_extrapolated_destroy(&limit);
-    iso_image_destroy(&dark);
     return status;
 }
 

@@ -216,20 +216,19 @@ static iso_status run_scene(study *s, int i, bool few, iso_error *err)
 
 static iso_status run_study(study *s, iso_error *err)
 {
-    iso_status status = ISO_OK;
     list_probes(s);
     for (size_t p = 0; p < s->probe_count; ++p)
         s->all += s->probes[p].cost * (s->probes[p].is_calibration ? 1 : s->opt->scenes);
     s->start = iso_clock_seconds();
-    for (size_t p = 0; p < s->probe_count && status == ISO_OK; ++p)
+    for (size_t p = 0; p < s->probe_count; ++p)
         if (s->probes[p].is_calibration)
-            status = run_probe(s, NULL, p, 0, err);
-    for (int i = 0; i < s->opt->scenes && status == ISO_OK; ++i) {
-        status = run_scene(s, i, false, err);
-        if (status == ISO_OK && s->opt->limit_pixels)
-            status = run_scene(s, i, true, err);
+            NEED(run_probe(s, NULL, p, 0, err));
+    for (int i = 0; i < s->opt->scenes; ++i) {
+        NEED(run_scene(s, i, false, err));
+        if (s->opt->limit_pixels)
+            NEED(run_scene(s, i, true, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* ---- results ------------------------------------------------------------------------ */
@@ -334,7 +333,7 @@ static void print_json(const study *s, const iso_cli *cli)
 /* Draws a chart. Columns: deviation with its unit, gate, least, median, largest, color of the gate's renderer. */
 static iso_status draw(const study *s, iso_error *err)
 {
-    char *csv = NULL;
+    FREED char *csv = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&csv, &size);
     if (!f)
@@ -356,7 +355,6 @@ static iso_status draw(const study *s, iso_error *err)
     TRY(status, iso_gnuplot_draw(out.temp_path, "sensitivity", csv, iso_sensitivity_gp, s->opt->format, err));
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
-    free(csv);
     return status;
 }
 
@@ -367,7 +365,7 @@ iso_status iso_power_sensitivity(iso_renderers *r, const iso_sensitivity_options
     if (opt->scenes > most_scenes)
         return iso_fail(err, ISO_E_USAGE, "--repetitions is %d, at most %d with --sensitivity", opt->scenes,
                         most_scenes);
-    study *s = calloc(1, sizeof *s);
+    FREED study *s = calloc(1, sizeof *s);
     if (!s)
         return iso_fail(err, ISO_E_MEMORY, "isoshade-lab power: no memory");
     s->renderers = r, s->opt = opt, s->progress = &progress;
@@ -381,6 +379,5 @@ iso_status iso_power_sensitivity(iso_renderers *r, const iso_sensitivity_options
         print_table(s);
         print_growth(s);
     }
-    free(s);
     return status;
 }

@@ -107,7 +107,7 @@ static iso_status draw(seams *s, const char *path, iso_error *err)
     static const scheme panels[] = {OWN_CENTERS, PAPER_WRITTEN, PAPER_CORRECTED, BAKED};
     enum { panel = 280, gap = 8, count = 4 };
     const double width = 2.4;
-    iso_image image;
+    OWNED(iso_image) image = {0};
     NEED(iso_image_create(&image, count * panel + (count - 1) * gap, panel, err));
     memset(s->levels, 0, sizeof s->levels);
     s->levels[1 + SIDE * (1 + SIDE * 1)] = 1;
@@ -130,9 +130,7 @@ static iso_status draw(seams *s, const char *path, iso_error *err)
         if (x == panel / 2 || row == panel / 2)
             pixel[0] = fminf(1, pixel[0] + 0.5f); /* the faces */
     }
-    iso_status status = iso_image_save_png(&image, path, 1, err);
-    iso_image_destroy(&image);
-    return status;
+    return iso_image_save_png(&image, path, 1, err);
 }
 
 static void report(const iso_cli *cli, const result results[SCHEME_COUNT], int layouts)
@@ -156,22 +154,15 @@ static void report(const iso_cli *cli, const result results[SCHEME_COUNT], int l
 
 static iso_status bench(const iso_cli *cli, int layouts, const char *picture, iso_error *err)
 {
-    seams s;
+    ENDED_BY(destroy) seams s = {0};
     result results[SCHEME_COUNT];
     iso_random state = {1};
-    iso_status status = ISO_OK;
-    if (status != ISO_OK)
-        return status;
-    status = create(&s, &state, err);
-    if (status == ISO_OK) {
-        measure(&s, layouts, &state, results);
-        if (picture)
-            status = draw(&s, picture, err);
-    }
-    if (status == ISO_OK)
-        report(cli, results, layouts);
-    destroy(&s);
-    return status;
+    NEED(create(&s, &state, err));
+    measure(&s, layouts, &state, results);
+    if (picture)
+        NEED(draw(&s, picture, err));
+    report(cli, results, layouts);
+    return ISO_OK;
 }
 
 typedef struct seams_options {

@@ -62,32 +62,26 @@ static iso_status load_subject(const iso_shading_run *run, const iso_shading_vol
 static iso_status measure_level(const iso_shading_run *run, const iso_shading_subject *s, const iso_pyramid *p,
                                 size_t k, int m, iso_shading_result *r, iso_error *err)
 {
-    iso_tf_table table = {0};
+    OWNED(iso_tf_table) table = {0};
     iso_adapt_options opt = iso_adapt_defaults();
     opt.threads = run->cli->threads;
-    iso_status status = ISO_OK;
     if (iso_shading_methods[m].adapted)
-        status = iso_adapt_level(p, k, &s->views[0].tf, &opt, &table, NULL, err);
-    if (status == ISO_OK)
-        status = iso_shading_measure(s,
-                                     &(iso_shading_shown){&p->levels[k], k, p->options.code,
-                                                          iso_shading_methods[m].source,
-                                                          iso_shading_methods[m].adapted ? &table : NULL, 0},
-                                     &r->error[m], err);
-    iso_tf_table_destroy(&table);
-    return status;
+        NEED(iso_adapt_level(p, k, &s->views[0].tf, &opt, &table, NULL, err));
+    return iso_shading_measure(s,
+                               &(iso_shading_shown){&p->levels[k], k, p->options.code, iso_shading_methods[m].source,
+                                                    iso_shading_methods[m].adapted ? &table : NULL, 0},
+                               &r->error[m], err);
 }
 
 static iso_status measure_method(const iso_shading_run *run, const iso_shading_subject *s, const iso_volume *v,
                                  size_t at, int m, iso_error *err)
 {
-    iso_pyramid p = {0};
-    iso_status status = iso_shading_build(&iso_shading_methods[m], v, run->subjects[at].name, (size_t)run->levels,
-                                          run->cli->threads, &p, err);
-    for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
-        status = measure_level(run, s, &p, k, m, iso_shading_result_of(run, at, k), err);
-    iso_pyramid_destroy(&p);
-    return status;
+    OWNED(iso_pyramid) p = {0};
+    NEED(iso_shading_build(&iso_shading_methods[m], v, run->subjects[at].name, (size_t)run->levels, run->cli->threads,
+                           &p, err));
+    for (size_t k = 1; k < p.level_count; ++k)
+        NEED(measure_level(run, s, &p, k, m, iso_shading_result_of(run, at, k), err));
+    return ISO_OK;
 }
 
 /* Measures level 0's own directions on the level: everywhere with --floor, otherwise where the default lost. */
@@ -135,10 +129,10 @@ static void print_subject(const iso_shading_run *run, size_t at)
 static iso_status run_subject(iso_shading_run *run, size_t at, iso_error *err)
 {
     const iso_shading_volume *u = &run->subjects[at];
-    iso_volume v = {0};
+    OWNED(iso_volume) v = {0};
     iso_field field;
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid p = {0};
+    OWNED(iso_pyramid) p = {0};
     iso_shading_subject s = {0};
     const iso_shading_look look = {.view_count = run->views, .image_size = (size_t)run->size, .surface = run->surface};
     iso_progress progress = iso_cli_progress(run->cli);
@@ -162,8 +156,6 @@ static iso_status run_subject(iso_shading_run *run, size_t at, iso_error *err)
         print_subject(run, at);
     iso_progress_report(&progress, stage, 1);
     iso_shading_end(&s);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
     return status;
 }
 

@@ -148,13 +148,14 @@ static double length_at(const iso_level *level, iso_code code, iso_vec3 at)
 static iso_status measure_angles(const iso_shading_subject *s, const iso_level *level, size_t k, iso_code code,
                                  iso_direction_source source, iso_shading_error *e, iso_error *err)
 {
-    iso_sampler sampler = {0};
-    double sum = 0, truth = 0, lengths = 0, *angles = malloc((s->point_count + 1) * sizeof *angles);
+    OWNED(iso_sampler) sampler = {0};
+    double sum = 0, truth = 0, lengths = 0;
+    FREED double *angles = malloc((s->point_count + 1) * sizeof *angles);
     e->angle_mean_deg = e->angle_p95_deg = e->truth_mean_deg = e->length_mean = NAN;
     if (!angles)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu angles", s->point_count);
-    iso_status status = iso_sampler_create(&sampler, level, code, source, err);
-    for (size_t i = 0; i < s->point_count && status == ISO_OK; ++i) {
+    NEED(iso_sampler_create(&sampler, level, code, source, err));
+    for (size_t i = 0; i < s->point_count; ++i) {
         const iso_surface_point *point = &s->points[i];
         const iso_vec3 at = iso_scale(point->at, ldexp(1, -(int)k)), normal = iso_sample_normal(&sampler, at);
         angles[i] = angle_deg(normal, point->finest);
@@ -162,7 +163,7 @@ static iso_status measure_angles(const iso_shading_subject *s, const iso_level *
         truth += angle_deg(normal, point->truth);
         lengths += length_at(level, code, at);
     }
-    if (status == ISO_OK && s->point_count > 0) {
+    if (s->point_count > 0) {
         qsort(angles, s->point_count, sizeof *angles, compare_doubles);
         e->angle_mean_deg = sum / (double)s->point_count;
         e->length_mean = lengths / (double)s->point_count;
@@ -170,9 +171,7 @@ static iso_status measure_angles(const iso_shading_subject *s, const iso_level *
         if (iso_norm(s->points[0].truth) > 0)
             e->truth_mean_deg = truth / (double)s->point_count;
     }
-    free(angles);
-    iso_sampler_destroy(&sampler);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status measure_images(const iso_shading_subject *s, const iso_shading_shown *shown, iso_shading_error *e,
@@ -181,14 +180,13 @@ static iso_status measure_images(const iso_shading_subject *s, const iso_shading
     iso_status status = ISO_OK;
     e->dssim_mean = e->alpha_max = 0;
     for (int i = 0; i < s->view_count && status == ISO_OK; ++i) {
-        iso_image image = {0};
+        OWNED(iso_image) image = {0};
         double ssim = 0;
         status = iso_shading_render(s, i, shown, &image, err);
         TRY(status, iso_ssim_foreground(&s->finest[i], &image, &ssim, err));
         e->dssim[i] = (1 - ssim) / 2;
         e->dssim_mean += e->dssim[i] / s->view_count;
         e->alpha_max = fmax(e->alpha_max, iso_lab_largest_alpha(&image));
-        iso_image_destroy(&image);
     }
     return status;
 }

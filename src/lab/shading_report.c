@@ -226,7 +226,7 @@ static json_t *cases_to_json(const iso_shading_run *run)
 
 iso_status iso_shading_write_csv(const iso_shading_run *run, iso_error *err)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
     if (!memory)
@@ -247,9 +247,7 @@ iso_status iso_shading_write_csv(const iso_shading_run *run, iso_error *err)
             }
     fputc('\n', memory);
     fclose(memory);
-    iso_status status = iso_file_write(run->csv, text, size, err);
-    free(text);
-    return status;
+    return iso_file_write(run->csv, text, size, err);
 }
 
 void iso_shading_report(const iso_shading_run *run)

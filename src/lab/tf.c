@@ -37,12 +37,10 @@ static iso_status make_pyramid(const tf_bench *b, iso_pyramid *p, iso_error *err
         return iso_subject_load_pyramid(b->cli->arguments[0], &b->input, &build, &progress, p, err);
     size_t n = (size_t)b->size;
     iso_field field = {.kind = ISO_FIELD_NOISE, .seed = 1};
-    iso_volume v;
+    OWNED(iso_volume) v = {0};
     field.geometry = iso_geometry_axis_aligned((size_t[]){n, n, n}, (double[]){1, 1, 1});
-    iso_status status = iso_field_sample(&field, ISO_U16, &v, err);
-    TRY(status, iso_pyramid_build(&v, "noise", &build, p, &progress, err));
-    iso_volume_destroy(&v);
-    return status;
+    NEED(iso_field_sample(&field, ISO_U16, &v, err));
+    return iso_pyramid_build(&v, "noise", &build, p, &progress, err);
 }
 
 /* Makes a soft ramp whose entries all differ. */
@@ -192,8 +190,8 @@ static void report_storage(const tf_bench *b, const iso_pyramid *p, double histo
 
 static iso_status run_all(const tf_bench *b, iso_error *err)
 {
-    iso_pyramid p = {0};
-    iso_tf_table tf = {0};
+    OWNED(iso_pyramid) p = {0};
+    OWNED(iso_tf_table) tf = {0};
     double frame = NAN, copy = NAN, histograms = 0;
     json_t *root = iso_cli_json(b->cli), *rows = json_array();
     iso_status status = make_pyramid(b, &p, err);
@@ -241,8 +239,6 @@ static iso_status run_all(const tf_bench *b, iso_error *err)
         iso_cli_print_json(root);
     else
         json_decref(root);
-    iso_tf_table_destroy(&tf);
-    iso_pyramid_destroy(&p);
     return status;
 }
 

@@ -88,17 +88,15 @@ static void write_rows(const json_t *cases, bool by_level, FILE *csv)
 
 static iso_status draw(const json_t *cases, bool by_level, const char *dir, iso_error *err)
 {
-    char *csv = NULL;
+    FREED char *csv = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&csv, &size);
     if (!f)
         return iso_fail(err, ISO_E_MEMORY, "isoshade-lab consistency: no memory for a figure's data");
     write_rows(cases, by_level, f);
     fclose(f);
-    iso_status status = iso_gnuplot_draw(dir, by_level ? "figure9" : "figure8", csv,
-                                         by_level ? iso_levels_gp : iso_weights_gp, "svg", err);
-    free(csv);
-    return status;
+    return iso_gnuplot_draw(dir, by_level ? "figure9" : "figure8", csv, by_level ? iso_levels_gp : iso_weights_gp,
+                            "svg", err);
 }
 
 iso_status iso_lab_figures(const json_t *cases, const char *dir, iso_error *err)

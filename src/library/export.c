@@ -82,17 +82,15 @@ static iso_status check_options(const iso_export_target *t, const iso_scene *sce
 static iso_status make_planned(const iso_export_options *o, const iso_pyramid *p, const iso_view *view,
                                iso_planned *planned, iso_error *err)
 {
-    json_t *root = NULL;
+    json_auto_t *root = NULL;
     iso_plan_file plan = {0};
     if (!o->plan)
         return ISO_OK;
     NEED(iso_json_of_text(o->plan, "the plan", &root, err));
-    iso_status status = iso_plan_file_from_json(root, "the plan", &plan, err);
-    TRY(status, iso_planned_create_of(&plan, "the plan",
-                                      &(iso_planned_subject){&p->levels[0], p->options.code, &view->tf, 1}, o->threads,
-                                      planned, err));
-    json_decref(root);
-    return status;
+    NEED(iso_plan_file_from_json(root, "the plan", &plan, err));
+    return iso_planned_create_of(&plan, "the plan",
+                                 &(iso_planned_subject){&p->levels[0], p->options.code, &view->tf, 1}, o->threads,
+                                 planned, err);
 }
 
 iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const char *target, const char *path,
@@ -135,7 +133,8 @@ iso_status iso_export_bytes(const iso_pyramid *pyramid, const iso_scene *scene, 
                             const iso_export_options *options, unsigned char **bytes, size_t *size, iso_error *err)
 {
     const bool is_file = strcmp(target, "vdb") == 0 || strcmp(target, "nanovdb") == 0;
-    char *dir = NULL, *path = NULL, *data = NULL;
+    char *data = NULL;
+    FREED char *dir = NULL, *path = NULL;
     *bytes = NULL;
     *size = 0;
     if (!is_file)
@@ -148,7 +147,5 @@ iso_status iso_export_bytes(const iso_pyramid *pyramid, const iso_scene *scene, 
     *bytes = (unsigned char *)data;
     if (dir)
         iso_remove_tree(dir);
-    free(dir);
-    free(path);
     return status;
 }

@@ -34,7 +34,7 @@ static iso_status make_page(const iso_viewer *v, const iso_progress *progress, c
 {
     iso_viewer_size size;
     size_t bytes;
-    char *dir = iso_make_temp_dir(), *path = dir ? iso_path_join(dir, "page.html") : NULL;
+    FREED char *dir = iso_make_temp_dir(), *path = dir ? iso_path_join(dir, "page.html") : NULL;
     iso_status status = dir ? ISO_OK : iso_temp_dir_fail(err);
     if (status == ISO_OK && !path)
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
@@ -42,8 +42,6 @@ static iso_status make_page(const iso_viewer *v, const iso_progress *progress, c
     TRY(status, iso_file_read(path, html, &bytes, err));
     if (dir)
         iso_remove_tree(dir);
-    free(path);
-    free(dir);
     return status;
 }
 

@@ -17,21 +17,20 @@ iso_build_options iso_build_defaults(void)
 
 static iso_status take_build_options(const iso_build_options *given, iso_pyramid_options *o, iso_error *err)
 {
-    iso_status status = ISO_OK;
     *o = iso_pyramid_defaults();
     o->level_count = given->levels;
     o->keep_float = given->keep_float;
     o->keep_magnitude = given->keep_magnitude;
     o->threads = given->threads;
     if (given->code)
-        status = iso_code_from_name(given->code, &o->code, err);
-    if (status == ISO_OK && given->estimator)
-        status = iso_gradient_from_name(given->estimator, &o->gradient.method, err);
-    if (status == ISO_OK && given->scalar_filter)
-        status = iso_scalar_filter_from_name(given->scalar_filter, &o->scalar_filter, err);
-    if (status == ISO_OK && given->direction_filter)
-        status = iso_direction_filter_from_name(given->direction_filter, &o->direction_filter, err);
-    return status;
+        NEED(iso_code_from_name(given->code, &o->code, err));
+    if (given->estimator)
+        NEED(iso_gradient_from_name(given->estimator, &o->gradient.method, err));
+    if (given->scalar_filter)
+        NEED(iso_scalar_filter_from_name(given->scalar_filter, &o->scalar_filter, err));
+    if (given->direction_filter)
+        NEED(iso_direction_filter_from_name(given->direction_filter, &o->direction_filter, err));
+    return ISO_OK;
 }
 
 iso_status iso_build(const iso_volume *volume, const iso_build_options *options, iso_pyramid **pyramid, iso_error *err)
@@ -104,11 +103,10 @@ static void decode_to_unit_ball(iso_code code, const uint8_t *bytes, float *dire
 
 iso_status iso_pyramid_directions(const iso_pyramid *pyramid, size_t level, float *directions, iso_error *err)
 {
-    iso_status status = iso_pyramid_check_level(pyramid, NULL, level, err);
-    if (status == ISO_OK)
-        decode_to_unit_ball(pyramid->options.code, pyramid->levels[level].codes, directions,
-                            iso_geometry_voxel_count(&pyramid->levels[level].geometry));
-    return status;
+    NEED(iso_pyramid_check_level(pyramid, NULL, level, err));
+    decode_to_unit_ball(pyramid->options.code, pyramid->levels[level].codes, directions,
+                        iso_geometry_voxel_count(&pyramid->levels[level].geometry));
+    return ISO_OK;
 }
 
 void iso_pyramid_free(iso_pyramid *pyramid)
@@ -150,8 +148,7 @@ iso_status iso_directions_decode(const char *code, const uint8_t *bytes, size_t 
                                  iso_error *err)
 {
     iso_code which;
-    iso_status status = iso_code_from_name(code, &which, err);
-    if (status == ISO_OK)
-        decode_to_unit_ball(which, bytes, directions, count);
-    return status;
+    NEED(iso_code_from_name(code, &which, err));
+    decode_to_unit_ball(which, bytes, directions, count);
+    return ISO_OK;
 }

@@ -52,13 +52,12 @@ iso_status iso_scene_open(const char *path, iso_scene **scene, iso_error *err)
 
 iso_status iso_scene_from_text(const char *json, iso_scene **scene, iso_error *err)
 {
-    json_t *root = NULL;
+    json_auto_t *root = NULL;
     *scene = calloc(1, sizeof **scene);
     if (!*scene)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_status status = iso_json_of_text(json, no_file, &root, err);
     TRY(status, iso_scene_from_json(root, no_file, *scene, err));
-    json_decref(root);
     return scene_or_nothing(status, scene);
 }
 
@@ -112,12 +111,12 @@ static void change(json_t *object, json_t *by)
 
 iso_status iso_scene_set(iso_scene *scene, const char *json, iso_error *err)
 {
-    json_t *by = NULL;
+    json_auto_t *by = NULL;
     iso_scene changed = {0};
     iso_status status = iso_json_of_text(json, no_file, &by, err);
     if (status != ISO_OK)
         return status;
-    json_t *root = iso_json_of_scene(scene);
+    json_auto_t *root = iso_json_of_scene(scene);
     if (!root)
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (root)
@@ -127,8 +126,6 @@ iso_status iso_scene_set(iso_scene *scene, const char *json, iso_error *err)
         iso_scene_destroy(scene);
         *scene = changed;
     }
-    json_decref(root);
-    json_decref(by);
     return status;
 }
 
@@ -148,11 +145,8 @@ iso_status iso_scene_text(const iso_scene *scene, char **json, iso_error *err)
 
 iso_status iso_scene_save(const iso_scene *scene, const char *path, iso_error *err)
 {
-    json_t *root = iso_json_of_scene(scene);
-    const iso_status status = root ? iso_scene_save_json(root, path, err)
-                                   : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    json_decref(root);
-    return status;
+    json_auto_t *root = iso_json_of_scene(scene);
+    return root ? iso_scene_save_json(root, path, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
 }
 
 const iso_tf *iso_scene_tf(const iso_scene *scene)
@@ -201,12 +195,10 @@ static iso_status adapt(const iso_library_look *look, const iso_pyramid *p, size
     iso_tf_table table = {0};
     o.threads = look->threads;
     o.fall_back = o.fall_back && !look->extinction_scale;
-    const iso_status status = iso_adapt_level(p, level, &view->tf, &o, &table, NULL, err);
-    if (status == ISO_OK) {
-        iso_tf_table_destroy(&view->tf);
-        view->tf = table;
-    }
-    return status;
+    NEED(iso_adapt_level(p, level, &view->tf, &o, &table, NULL, err));
+    iso_tf_table_destroy(&view->tf);
+    view->tf = table;
+    return ISO_OK;
 }
 
 static iso_status add_region(const iso_library_look *look, const iso_pyramid *p, size_t level, iso_view *view,
@@ -218,7 +210,7 @@ static iso_status add_region(const iso_library_look *look, const iso_pyramid *p,
                                .level = r->level,
                                .band = r->band};
     iso_library_look within = *look;
-    iso_view inside = {0};
+    OWNED(iso_view) inside = {0};
     within.region = NULL;
     within.extinction_scale = false;
     if (!(r->band >= 0 && r->band <= 64))
@@ -226,39 +218,35 @@ static iso_status add_region(const iso_library_look *look, const iso_pyramid *p,
     if (r->level >= level)
         return iso_fail(err, ISO_E_RANGE, "the region has level %zu, must be finer than level %zu around it", r->level,
                         level);
-    iso_status status = iso_library_view(&within, p, r->level, &inside, err);
-    if (status == ISO_OK && inside.extinction_scale)
-        status = iso_fail(err, ISO_E_USAGE, "the region's level %zu has an extinction scale; use level 0", r->level);
-    if (status == ISO_OK && !(view->roi = calloc(1, sizeof *view->roi)))
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_roi_create(p, level, &inside.tf, &o, view->roi, err));
-    iso_view_destroy(&inside);
-    return status;
+    NEED(iso_library_view(&within, p, r->level, &inside, err));
+    if (inside.extinction_scale)
+        return iso_fail(err, ISO_E_USAGE, "the region's level %zu has an extinction scale; use level 0", r->level);
+    if (!(view->roi = calloc(1, sizeof *view->roi)))
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    return iso_roi_create(p, level, &inside.tf, &o, view->roi, err);
 }
 
 iso_status iso_library_view(const iso_library_look *look, const iso_pyramid *p, size_t level, iso_view *view,
                             iso_error *err)
 {
-    iso_tf_table original = {0};
+    OWNED(iso_tf_table) original = {0};
     bool found = false;
-    iso_status status = iso_scene_view(look->scene, p, look->tf, look->width, look->height, view, err);
-    TRY(status, iso_view_take_level(view, p, level, &found, err));
-    if (status == ISO_OK && look->region)
-        status = add_region(look, p, level, view, err);
+    NEED(iso_scene_view(look->scene, p, look->tf, look->width, look->height, view, err));
+    NEED(iso_view_take_level(view, p, level, &found, err));
+    if (look->region)
+        NEED(add_region(look, p, level, view, err));
     const bool has_own = level > 0 && p->levels[level].is_optimized && p->levels[level].scale;
     const bool scales = (look->extinction_scale || has_own) && !found && level > 0;
-    if (status == ISO_OK && scales && p->levels[level].geometry.has_no_data)
+    if (scales && p->levels[level].geometry.has_no_data)
         return iso_fail(err, ISO_E_RANGE, "some voxels have no data, and the share that has scales the extinction of "
                                           "coarse levels; ask for no extinction scale");
-    if (status == ISO_OK && scales)
-        status = iso_tf_table_copy(&view->tf, &original, err);
-    if (status == ISO_OK && look->adapt && !found && level > 0)
-        status = adapt(look, p, level, view, err);
-    if (status == ISO_OK && scales)
-        status = iso_extinction_scale_level(p, level, &original, &view->tf, look->threads, &view->extinction_scale,
-                                            err);
-    iso_tf_table_destroy(&original);
-    return status;
+    if (scales)
+        NEED(iso_tf_table_copy(&view->tf, &original, err));
+    if (look->adapt && !found && level > 0)
+        NEED(adapt(look, p, level, view, err));
+    if (scales)
+        NEED(iso_extinction_scale_level(p, level, &original, &view->tf, look->threads, &view->extinction_scale, err));
+    return ISO_OK;
 }
 
 void iso_scene_free(iso_scene *scene)

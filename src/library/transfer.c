@@ -52,17 +52,16 @@ static iso_status check_point(const iso_tf_point *points, size_t i, iso_error *e
 
 static iso_status check_points(const iso_tf_point *points, size_t count, double unit_mm, iso_error *err)
 {
-    iso_status status = ISO_OK;
     if (count < 2 || count > 65536)
         return iso_fail(err, ISO_E_RANGE, "a transfer function of %zu points, must be 2 to 65536", count);
     if (!(unit_mm >= ISO_TF_LEAST_UNIT && unit_mm <= ISO_TF_MOST_UNIT))
         return iso_fail(err, ISO_E_RANGE, "opacities are for %g mm, must be %g to %g", unit_mm, ISO_TF_LEAST_UNIT,
                         ISO_TF_MOST_UNIT);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = check_point(points, i, err);
-    if (status == ISO_OK && !(points[count - 1].value > points[0].value))
-        status = iso_fail(err, ISO_E_RANGE, "all points have the value %g, must span a range", points[0].value);
-    return status;
+    for (size_t i = 0; i < count; ++i)
+        NEED(check_point(points, i, err));
+    if (!(points[count - 1].value > points[0].value))
+        return iso_fail(err, ISO_E_RANGE, "all points have the value %g, must span a range", points[0].value);
+    return ISO_OK;
 }
 
 iso_status iso_tf_from_points(const iso_tf_point *points, size_t count, double unit_mm, iso_tf **tf, iso_error *err)
@@ -105,12 +104,11 @@ iso_status iso_tf_adapt(const iso_tf *tf, const iso_pyramid *pyramid, size_t lev
 iso_status iso_tf_evaluate(const iso_tf *tf, const iso_pyramid *pyramid, const double *values, size_t count,
                            double (*rgb_extinction)[4], iso_error *err)
 {
-    iso_tf_table table = {0};
-    iso_status status = tabulate(tf, pyramid, &table, err);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+    OWNED(iso_tf_table) table = {0};
+    NEED(tabulate(tf, pyramid, &table, err));
+    for (size_t i = 0; i < count; ++i)
         iso_tf_lookup(&table, values[i], rgb_extinction[i]);
-    iso_tf_table_destroy(&table);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_tf_suggest(const iso_pyramid *pyramid, const char *name, iso_tf **tf, iso_error *err)
@@ -136,13 +134,11 @@ iso_status iso_tf_text(const iso_tf *tf, char **json, iso_error *err)
 
 iso_status iso_tf_from_text(const char *json, iso_tf **tf, iso_error *err)
 {
-    json_t *root = NULL;
+    json_auto_t *root = NULL;
     iso_tf made;
     *tf = NULL;
     NEED(iso_json_of_text(json, "the transfer function", &root, err));
-    iso_status status = keep(iso_tf_from_json(root, "the transfer function", &made, err), &made, tf, err);
-    json_decref(root);
-    return status;
+    return keep(iso_tf_from_json(root, "the transfer function", &made, err), &made, tf, err);
 }
 
 void iso_tf_free(iso_tf *tf)

@@ -100,7 +100,7 @@ static iso_status check(const iso_validate_options *o, iso_error *err)
 static iso_status read_floats(const char *folder, const char *name, size_t count, char **all, const float **floats,
                               iso_error *err)
 {
-    char *path = iso_path_join(folder, name);
+    FREED char *path = iso_path_join(folder, name);
     size_t size = 0;
     iso_status status = path ? iso_file_read(path, all, &size, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     const char *end = status == ISO_OK ? memmem(*all, size, "\n\n", 2) : NULL;
@@ -114,7 +114,6 @@ static iso_status read_floats(const char *folder, const char *name, size_t count
     free(*all);
     *all = (char *)copy;
     *floats = copy;
-    free(path);
     return status;
 }
 
@@ -139,7 +138,7 @@ static iso_status draw(const iso_own_renderer *own, const iso_frame_request *req
                        const char *file, iso_error *err)
 {
     iso_image image;
-    char *path = iso_path_join(folder, file);
+    FREED char *path = iso_path_join(folder, file);
     iso_status status = path ? iso_image_create(&image, request->width, request->height, err)
                              : iso_fail(err, ISO_E_MEMORY, "out of memory");
     if (status == ISO_OK && !own->render(own->user, request, image.rgba))
@@ -148,7 +147,6 @@ static iso_status draw(const iso_own_renderer *own, const iso_frame_request *req
     TRY(status, iso_image_save_exr(&image, path, NULL, err));
     if (path)
         iso_image_destroy(&image);
-    free(path);
     return status;
 }
 
@@ -157,47 +155,40 @@ static iso_status draw_frames(job *j, const iso_own_renderer *own, const json_t 
                               iso_frame_request *request, iso_error *err)
 {
     const json_t *frames = json_object_get(root, "frames"), *image = json_object_get(root, "image");
-    iso_status status = ISO_OK;
     request->width = (size_t)json_integer_value(json_object_get(image, "width"));
     request->height = (size_t)json_integer_value(json_object_get(image, "height"));
     request->scene = json_string_value(json_object_get(root, "scene"));
     request->level = (size_t)json_integer_value(json_object_get(root, "level"));
-    for (size_t i = 0; i < json_array_size(frames) && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < json_array_size(frames); ++i) {
         const json_t *frame = json_array_get(frames, i);
         request->step_mm = json_number_value(json_object_get(frame, "step_mm"));
-        status = iso_progress_check(j->progress, err);
-        TRY(status, draw(own, request, folder, json_string_value(json_object_get(frame, "file")), err));
+        NEED(iso_progress_check(j->progress, err));
+        NEED(draw(own, request, folder, json_string_value(json_object_get(frame, "file")), err));
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status draw_request(job *j, const iso_own_renderer *own, const char *path, iso_error *err)
 {
-    char *folder = iso_path_dir(path), *text = NULL, *values = NULL, *directions = NULL;
+    FREED char *folder = iso_path_dir(path), *text = NULL, *values = NULL, *directions = NULL;
     size_t size = 0;
-    json_t *root = NULL;
+    json_auto_t *root = NULL;
     iso_frame_request request = {0};
-    iso_status status = folder ? iso_file_read(path, &text, &size, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_json_of_text(text, path, &root, err));
-    TRY(status, unpack_grid(json_object_get(root, "volume"), &request.grid, err));
+    NEED(folder ? iso_file_read(path, &text, &size, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    NEED(iso_json_of_text(text, path, &root, err));
+    NEED(unpack_grid(json_object_get(root, "volume"), &request.grid, err));
     const size_t count = request.grid.size[0] * request.grid.size[1] * request.grid.size[2];
-    TRY(status, read_floats(folder, "volume.nrrd", count, &values, &request.values, err));
-    if (status == ISO_OK && json_is_object(json_object_get(root, "directions")))
-        status = read_floats(folder, "directions.nrrd", 3 * count, &directions, &request.directions, err);
+    NEED(read_floats(folder, "volume.nrrd", count, &values, &request.values, err));
+    if (json_is_object(json_object_get(root, "directions")))
+        NEED(read_floats(folder, "directions.nrrd", 3 * count, &directions, &request.directions, err));
     request.json = text;
-    TRY(status, draw_frames(j, own, root, folder, &request, err));
-    json_decref(root);
-    free(values);
-    free(directions);
-    free(text);
-    free(folder);
-    return status;
+    return draw_frames(j, own, root, folder, &request, err);
 }
 
 /* Draws all requests below a folder, in the order of their names. */
 static iso_status draw_all(job *j, const iso_own_renderer *own, const char *folder, iso_error *err)
 {
-    char *pattern = iso_path_join(folder, "*/request.json");
+    FREED char *pattern = iso_path_join(folder, "*/request.json");
     glob_t found = {0};
     iso_status status = pattern && glob(pattern, 0, NULL, &found) == 0
                             ? ISO_OK
@@ -207,7 +198,6 @@ static iso_status draw_all(job *j, const iso_own_renderer *own, const char *fold
         status = draw_request(j, own, found.gl_pathv[i], err);
     }
     globfree(&found);
-    free(pattern);
     return status;
 }
 
@@ -216,23 +206,20 @@ static iso_status make_pictures(job *j, const iso_own_renderer *own, const char 
     int code;
     const char *const arguments[] = {j->program, "scenes",  j->volume, "--scene", j->scene, "--levels", j->levels,
                                      "--steps",  j->steps,  "--write", folder,    "--quiet", NULL};
-    iso_status status = run(j, arguments, &code, err);
-    TRY(status, draw_all(j, own, folder, err));
-    return status;
+    NEED(run(j, arguments, &code, err));
+    return draw_all(j, own, folder, err);
 }
 
 /* ---- the report ---- */
 
 static iso_status read_result(const job *j, const char *folder, iso_validation_result *result, iso_error *err)
 {
-    char *json = iso_path_join(folder, "report.json"), *html = iso_path_join(folder, "index.html");
+    FREED char *json = iso_path_join(folder, "report.json"), *html = iso_path_join(folder, "index.html");
     size_t size;
     iso_status status = json && html ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
     TRY(status, iso_file_read(json, &result->json, &size, err));
     TRY(status, iso_file_read(html, &result->html, &size, err));
     snprintf(result->summary, sizeof result->summary, "%s", j->sentence);
-    free(json);
-    free(html);
     return status;
 }
 
@@ -244,7 +231,7 @@ typedef struct words {
 static iso_status validate(job *j, words *w, iso_validation_result *result, iso_error *err)
 {
     const iso_validate_options *o = j->given;
-    char *own = iso_path_join(j->folder, "report");
+    FREED char *own = iso_path_join(j->folder, "report");
     const char *folder = o->folder ? o->folder : own;
     const char *arguments[MOST_ARGUMENTS] = {j->program, "validate", j->volume, "--scene", j->scene,
                                              "--levels", j->levels,  "--size",  j->size,   "--with",
@@ -261,23 +248,21 @@ static iso_status validate(job *j, words *w, iso_validation_result *result, iso_
     iso_status status = own ? run(j, arguments, &code, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     TRY(status, read_result(j, folder, result, err));
     result->agrees = status == ISO_OK && code == 0;
-    free(own);
     return status;
 }
 
 static iso_status make_all_pictures(job *j, words *w, iso_error *err)
 {
     const iso_validate_options *o = j->given;
-    iso_status status = ISO_OK;
     if (asprintf(&w->with, "reference%s%s", o->with ? "," : "", o->with ? o->with : "") < 0)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    for (size_t i = 0; i < o->renderer_count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < o->renderer_count; ++i) {
         const char *name = o->renderers[i].name;
         if (asprintf(&w->images[i], "%s=%s/pictures-%s", name, j->folder, name) < 0)
             return iso_fail(err, ISO_E_MEMORY, "out of memory");
-        status = make_pictures(j, &o->renderers[i], w->images[i] + strlen(name) + 1, err);
+        NEED(make_pictures(j, &o->renderers[i], w->images[i] + strlen(name) + 1, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Writes the scene with the size of the pictures. */
@@ -293,13 +278,11 @@ static iso_status write_scene(job *j, const iso_scene *scene, iso_error *err)
     width = width > 0 ? width : 1;
     height = height > 0 ? height : 1;
     snprintf(j->size, sizeof j->size, "%zux%zu", width, height);
-    json_t *root = iso_json_of_scene(scene);
+    json_auto_t *root = iso_json_of_scene(scene);
     if (root)
         json_object_set_new(root, "image",
                             json_pack("{s:I, s:I}", "width", (json_int_t)width, "height", (json_int_t)height));
-    const iso_status status = iso_scene_save_json(root, j->scene, err);
-    json_decref(root);
-    return status;
+    return iso_scene_save_json(root, j->scene, err);
 }
 
 /* Writes the volume and its scene. */
@@ -327,11 +310,9 @@ static iso_status begin(job *j, iso_error *err)
     const size_t levels = j->given->levels ? j->given->levels : j->given->quick ? 3 : 4;
     snprintf(j->levels, sizeof j->levels, "%zu", levels);
     snprintf(j->steps, sizeof j->steps, "%d", STEPS);
-    iso_status status = find_program(&j->program, err);
-    if (status == ISO_OK && !(j->folder = iso_make_temp_dir()))
-        status = iso_temp_dir_fail(err);
-    if (status != ISO_OK)
-        return status;
+    NEED(find_program(&j->program, err));
+    if (!(j->folder = iso_make_temp_dir()))
+        NEED(iso_temp_dir_fail(err));
     j->volume = iso_path_join(j->folder, "volume.nrrd");
     j->scene = iso_path_join(j->folder, "volume.scene.json");
     return j->volume && j->scene ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");

@@ -170,10 +170,9 @@ static iso_status array_type_from_name(const char *name, struct array_type *type
             return ISO_OK;
         }
     *type = (struct array_type){.name = name};
-    const iso_status status = iso_type_from_name(name, &type->stored, err);
-    if (status == ISO_OK)
-        type->bytes = iso_type_bytes(type->stored);
-    return status;
+    NEED(iso_type_from_name(name, &type->stored, err));
+    type->bytes = iso_type_bytes(type->stored);
+    return ISO_OK;
 }
 
 /* Copies the samples of a row, `stride` bytes apart. Returns the number of those before the first that the stored type

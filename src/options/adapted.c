@@ -87,11 +87,10 @@ static iso_status look_for_ghost(const iso_cli_adapted *a, const iso_pyramid *p,
                                  iso_error *err)
 {
     double ghost = 0;
-    const iso_status status = iso_ghost_measure(p, level, original, tf, tf_2d, a->cli ? a->cli->threads : 0, &ghost,
-                                                err);
-    if (status == ISO_OK && ghost > ISO_GHOST_LIMIT)
+    NEED(iso_ghost_measure(p, level, original, tf, tf_2d, a->cli ? a->cli->threads : 0, &ghost, err));
+    if (ghost > ISO_GHOST_LIMIT)
         report_ghost(a, level, ghost, false);
-    return status;
+    return ISO_OK;
 }
 
 /* Adapts the view's 1D transfer function; with a second value makes the 2D one, too: a ColorRamp and an isosurface take
@@ -156,41 +155,39 @@ static void warn_of_other_tf(const iso_cli_adapted *a, const iso_pyramid *p, siz
 {
     if (!a->cli || a->cli->quiet)
         return;
-    char *scenes = iso_level_scene_names(p);
+    FREED char *scenes = iso_level_scene_names(p);
     iso_progress_line_hide(a->cli->progress);
     fprintf(stderr,
             "isoshade %s: warning: level %zu was made for the transfer function of %s and looks less like level 0 "
             "under another one; build without --for, or for this scene\n",
             a->cli->command->name, level, scenes && *scenes ? scenes : "another scene");
-    free(scenes);
 }
 
 iso_status iso_cli_adapt_view(const iso_cli_adapted *a, const char *path, const iso_pyramid *p, size_t level,
                               iso_view *view, int threads, iso_error *err)
 {
-    iso_tf_table original = {0};
+    OWNED(iso_tf_table) original = {0};
     bool is_made_for = false;
     const iso_level *l = level < p->level_count ? &p->levels[level] : NULL;
     const bool has_share = l && l->scale && l->geometry.has_no_data;
-    iso_status status = check_together(a, err);
-    if (status == ISO_OK && a->extinction_scale && l && l->geometry.has_no_data)
+    NEED(check_together(a, err));
+    if (a->extinction_scale && l && l->geometry.has_no_data)
         return iso_fail(err, ISO_E_RANGE,
                         "some voxels have no data, and the share that has scales the extinction of coarse levels; "
                         "leave out --extinction-scale");
-    if (status == ISO_OK && l)
-        status = a->tf_2d ? has_share ? iso_view_take_scale(view, l, err) : ISO_OK
-                          : iso_view_take_level(view, p, level, &is_made_for, err);
-    if (status != ISO_OK || is_made_for)
-        return status;
+    if (l)
+        NEED(a->tf_2d ? has_share ? iso_view_take_scale(view, l, err) : ISO_OK
+                      : iso_view_take_level(view, p, level, &is_made_for, err));
+    if (is_made_for)
+        return ISO_OK;
     if (l && (l->made_for_scene || l->scale) && !has_share)
         warn_of_other_tf(a, p, level);
     const bool scales = a->extinction_scale || (l && l->is_optimized && l->scale);
     if (scales)
-        status = iso_tf_table_copy(&view->tf, &original, err);
-    if (status == ISO_OK && a->wanted)
-        status = adapt_view(a, path, p, level, view, threads, err);
-    if (status == ISO_OK && scales)
-        status = iso_extinction_scale_level(p, level, &original, &view->tf, threads, &view->extinction_scale, err);
-    iso_tf_table_destroy(&original);
-    return status;
+        NEED(iso_tf_table_copy(&view->tf, &original, err));
+    if (a->wanted)
+        NEED(adapt_view(a, path, p, level, view, threads, err));
+    if (scales)
+        NEED(iso_extinction_scale_level(p, level, &original, &view->tf, threads, &view->extinction_scale, err));
+    return ISO_OK;
 }

@@ -45,16 +45,15 @@ typedef struct visitor {
 
 static iso_status visit_texts(const struct poptOption *o, visitor *v)
 {
-    iso_status status = ISO_OK;
-    for (; status == ISO_OK && o->longName; ++o) {
+    for (; o->longName; ++o) {
         const unsigned kind = o->argInfo & POPT_ARG_MASK;
         if (kind == POPT_ARG_STRING && *(char **)o->arg)
-            status = v->visit(v, o, *(char **)o->arg);
+            NEED(v->visit(v, o, *(char **)o->arg));
         else if (kind == POPT_ARG_ARGV && *(char ***)o->arg)
-            for (char **text = *(char ***)o->arg; status == ISO_OK && *text; ++text)
-                status = v->visit(v, o, *text);
+            for (char **text = *(char ***)o->arg; *text; ++text)
+                NEED(v->visit(v, o, *text));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* True if two paths name the same file or folder, existing or not. */
@@ -63,11 +62,9 @@ static bool is_one_place(const char *a, const char *b)
     struct stat x, y;
     if (stat(a, &x) == 0 && stat(b, &y) == 0)
         return x.st_dev == y.st_dev && x.st_ino == y.st_ino;
-    char *dir_a = iso_path_dir(a), *dir_b = iso_path_dir(b);
+    FREED char *dir_a = iso_path_dir(a), *dir_b = iso_path_dir(b);
     const bool is_one = dir_a && dir_b && strcmp(iso_path_base(a), iso_path_base(b)) == 0 && stat(dir_a, &x) == 0 &&
                         stat(dir_b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
-    free(dir_a);
-    free(dir_b);
     return is_one;
 }
 

@@ -50,22 +50,20 @@ iso_status iso_cli_roi_view(const iso_cli_roi *r, const iso_cli_roi_place *at, i
 {
     const size_t level = at->level;
     iso_roi_options opt = iso_roi_defaults();
-    iso_tf_table table = {0};
+    OWNED(iso_tf_table) table = {0};
     if (!r->box && (r->level != 0 || r->band != opt.band))
         return iso_fail(err, ISO_E_USAGE, "--roi-level and --roi-band need --roi");
     if (!r->box)
         return ISO_OK;
-    iso_status status = parse_box(r->box, opt.lo, opt.hi, err);
-    TRY(status, iso_words_check_range("--roi-band", r->band, 0, 64, err));
-    if (status == ISO_OK && level < 1)
-        status = iso_fail(err, ISO_E_USAGE, "--roi needs a coarser level around the box: --level 1 or more");
-    TRY(status, iso_words_check_range("--roi-level", r->level, 0, (double)level - 1, err));
+    NEED(parse_box(r->box, opt.lo, opt.hi, err));
+    NEED(iso_words_check_range("--roi-band", r->band, 0, 64, err));
+    if (level < 1)
+        return iso_fail(err, ISO_E_USAGE, "--roi needs a coarser level around the box: --level 1 or more");
+    NEED(iso_words_check_range("--roi-level", r->level, 0, (double)level - 1, err));
     opt.level = (size_t)r->level;
     opt.band = r->band;
-    TRY(status, roi_tf(at, opt.level, &view->tf, &table, err));
-    if (status == ISO_OK && !(view->roi = calloc(1, sizeof *view->roi)))
-        status = iso_fail(err, ISO_E_MEMORY, "region of interest: out of memory");
-    TRY(status, iso_roi_create(at->pyramid, level, &table, &opt, view->roi, err));
-    iso_tf_table_destroy(&table);
-    return status;
+    NEED(roi_tf(at, opt.level, &view->tf, &table, err));
+    if (!(view->roi = calloc(1, sizeof *view->roi)))
+        return iso_fail(err, ISO_E_MEMORY, "region of interest: out of memory");
+    return iso_roi_create(at->pyramid, level, &table, &opt, view->roi, err);
 }

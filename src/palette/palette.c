@@ -21,10 +21,9 @@ const char *iso_palette_method_name(iso_palette_method method)
 iso_status iso_palette_method_from_name(const char *name, iso_palette_method *method, iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(&iso_palette_method_names, name, &row, err);
-    if (status == ISO_OK)
-        *method = (iso_palette_method)row;
-    return status;
+    NEED(iso_names_find(&iso_palette_method_names, name, &row, err));
+    *method = (iso_palette_method)row;
+    return ISO_OK;
 }
 
 iso_palette_options iso_palette_defaults(void)

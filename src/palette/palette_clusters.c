@@ -125,11 +125,10 @@ static void seed_greedy(clusters *c, greedy *g, iso_random *random)
 iso_status iso_clusters_seed_greedy(clusters *c, iso_random *random, iso_error *err)
 {
     size_t n = c->item_count;
-    float *planes = malloc(5 * n * sizeof *planes);
-    double *cumulative = malloc(n * sizeof *cumulative);
-    iso_status status = ISO_OK;
+    FREED float *planes = malloc(5 * n * sizeof *planes);
+    FREED double *cumulative = malloc(n * sizeof *cumulative);
     if (!planes || !cumulative) {
-        status = iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu bundles", n);
+        return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu bundles", n);
     } else {
         greedy g = {planes, planes + n, planes + 2 * n, planes + 3 * n, planes + 4 * n, cumulative};
         for (size_t i = 0; i < n; ++i) {
@@ -141,9 +140,7 @@ iso_status iso_clusters_seed_greedy(clusters *c, iso_random *random, iso_error *
         }
         seed_greedy(c, &g, random);
     }
-    free(planes);
-    free(cumulative);
-    return status;
+    return ISO_OK;
 }
 
 /* ---- assignment ----------------------------------------------------------------------- */

@@ -74,7 +74,7 @@ static iso_status fit_kmeans(const iso_direction_set *set, const iso_palette_opt
 {
     if (set->count <= opt->directions)
         return one_entry_each(set, palette, err);
-    clusters c;
+    ENDED_BY(iso_clusters_destroy) clusters c = {0};
     iso_random random = {opt->seed};
     iso_status status = iso_clusters_create(&c, set, opt->directions, err);
     if (status == ISO_OK && set->count > SEARCH_BUNDLES * c.count)
@@ -82,7 +82,6 @@ static iso_status fit_kmeans(const iso_direction_set *set, const iso_palette_opt
     else if (status == ISO_OK)
         status = fit_search(&c, opt, &random, progress, err);
     TRY(status, iso_clusters_to_palette(&c, palette, err));
-    iso_clusters_destroy(&c);
     return status;
 }
 

@@ -102,7 +102,7 @@ iso_status iso_palette_picture_png(const iso_palette *palette, const iso_directi
     const view views[2] = {front_view(), back_view()};
     iso_palette_lookup *lookup = NULL;
     iso_image image = {0};
-    uint16_t *index = malloc((size_t)SIDE * SIDE * sizeof *index);
+    FREED uint16_t *index = malloc((size_t)SIDE * SIDE * sizeof *index);
     iso_status status = index ? iso_palette_lookup_create(palette, &lookup, err)
                               : iso_fail(err, ISO_E_MEMORY, "%s: no memory for its pixels", path);
     TRY(status, iso_image_create(&image, 2 * SIDE, SIDE, err));
@@ -119,21 +119,18 @@ iso_status iso_palette_picture_png(const iso_palette *palette, const iso_directi
     }
     iso_image_destroy(&image);
     iso_palette_lookup_destroy(lookup);
-    free(index);
     return status;
 }
 
 iso_status iso_palette_picture_exr(const iso_palette *palette, const char *path, const char *note, iso_error *err)
 {
     const iso_image_note notes[] = {{"isoshadeCommand", note}, {NULL, NULL}};
-    iso_image image;
+    OWNED(iso_image) image = {0};
     NEED(iso_image_create(&image, palette->count, 1, err));
     for (size_t i = 0; i < palette->count; ++i) {
         for (size_t c = 0; c < 3; ++c)
             image.rgba[4 * i + c] = palette->xyz[3 * i + c];
         image.rgba[4 * i + 3] = 1;
     }
-    iso_status status = iso_image_save_exr(&image, path, notes, err);
-    iso_image_destroy(&image);
-    return status;
+    return iso_image_save_exr(&image, path, notes, err);
 }

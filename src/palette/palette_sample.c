@@ -107,14 +107,13 @@ iso_status iso_palette_sample_volume(iso_direction_pool *pool, const iso_volume 
                                      const iso_progress *progress, iso_error *err)
 {
     const size_t nz = v->geometry.size[2], planes = slab_planes(&v->geometry);
-    slab_buffers b = {.gradient = gradient, .weighting = w};
+    ENDED_BY(buffers_destroy) slab_buffers b = {.gradient = gradient, .weighting = w};
     iso_status status = check_weighting(w, err);
     TRY(status, buffers_create(&b, &v->geometry, planes, gradient->threads, err));
     for (size_t z = 0; z < nz && status == ISO_OK; z += planes) {
         status = pool_planes(pool, v, z, z + planes < nz ? z + planes : nz, &b, err);
         iso_progress_report(progress, "directions", (double)(z + planes) / (double)nz);
     }
-    buffers_destroy(&b);
     return status;
 }
 
@@ -169,11 +168,10 @@ iso_status iso_palette_sample_field(iso_direction_pool *pool, const float *vecto
     float most = 0;
     for (size_t i = 0; magnitudes && i < count; ++i)
         most = magnitudes[i] > most ? magnitudes[i] : most;
-    float *weights = malloc((count + 1) * sizeof *weights);
+    FREED float *weights = malloc((count + 1) * sizeof *weights);
     if (!weights)
         return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu weights", count);
     weigh_row(w, vectors, magnitudes, scalars, magnitudes && most > 0 ? 1 / most : 1, count, weights);
     iso_direction_pool_add(pool, vectors, weights, count);
-    free(weights);
     return ISO_OK;
 }

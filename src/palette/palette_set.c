@@ -62,18 +62,16 @@ iso_status iso_direction_set_create(iso_direction_set *set, const float *vectors
                                     iso_error *err)
 {
     *set = (iso_direction_set){0};
-    member *members = malloc((count + 1) * sizeof *members);
+    FREED member *members = malloc((count + 1) * sizeof *members);
     if (!members)
         return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu directions", count);
     size_t used = 0, distinct = 0;
     double undefined = 0;
     for (size_t i = 0; i < count; ++i) {
         double w = weights ? weights[i] : 1;
-        if (!(w >= 0) || !isfinite(w)) {
-            free(members);
+        if (!(w >= 0) || !isfinite(w))
             return iso_fail(err, ISO_E_RANGE,
                             "palette: the weight of direction %zu is %g, must be finite and not negative", i, w);
-        }
         if (!to_unit(vectors + 3 * i, members[used].d))
             undefined += w;
         else if (w > 0)
@@ -82,20 +80,17 @@ iso_status iso_direction_set_create(iso_direction_set *set, const float *vectors
     qsort(members, used, sizeof *members, compare_members);
     for (size_t i = 0; i < used; ++i)
         distinct += i == 0 || memcmp(members[i].d, members[i - 1].d, sizeof members[i].d) != 0;
-    iso_status status = set_allocate(set, distinct, err);
-    if (status == ISO_OK) {
-        size_t at = 0;
-        for (size_t i = 0; i < used; ++i) {
-            if (i > 0 && memcmp(members[i].d, members[i - 1].d, sizeof members[i].d) != 0)
-                ++at;
-            memcpy(set->xyz + 3 * at, members[i].d, sizeof members[i].d);
-            set->weight[at] += members[i].weight;
-            set->length[at] = 1;
-        }
-        set->undefined_weight = undefined;
+    NEED(set_allocate(set, distinct, err));
+    size_t at = 0;
+    for (size_t i = 0; i < used; ++i) {
+        if (i > 0 && memcmp(members[i].d, members[i - 1].d, sizeof members[i].d) != 0)
+            ++at;
+        memcpy(set->xyz + 3 * at, members[i].d, sizeof members[i].d);
+        set->weight[at] += members[i].weight;
+        set->length[at] = 1;
     }
-    free(members);
-    return status;
+    set->undefined_weight = undefined;
+    return ISO_OK;
 }
 
 /* Stores one bundle with the members' sum and weight; n is the length of the sum. */
@@ -116,7 +111,7 @@ iso_status iso_direction_set_coarsen(const iso_direction_set *set, int cells, is
 {
     size_t bins = (size_t)6 * (size_t)cells * (size_t)cells, count = 0, at = 0;
     *out = (iso_direction_set){0};
-    cell_sum *sums = calloc(bins, sizeof *sums);
+    FREED cell_sum *sums = calloc(bins, sizeof *sums);
     if (!sums)
         return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu bins", bins);
     for (size_t i = 0; i < set->count; ++i) {
@@ -135,7 +130,6 @@ iso_status iso_direction_set_coarsen(const iso_direction_set *set, int cells, is
         if (sums[bin].weight > 0)
             put_bundle(out, at++, sums[bin].sum, sums[bin].weight);
     out->undefined_weight = set->undefined_weight;
-    free(sums);
     return status;
 }
 

@@ -214,7 +214,7 @@ iso_status iso_clusters_improve(clusters *c, size_t trials, iso_random *random, 
                                 iso_error *err)
 {
     size_t n = c->count, capacity = 4 * c->item_count + 64;
-    palette_search s = {.c = c, .moved_capacity = capacity};
+    ENDED_BY(search_destroy) palette_search s = {.c = c, .moved_capacity = capacity};
     s.queued = calloc(n, 1);
     s.touched = calloc(n, 1);
     s.list = malloc(n * sizeof *s.list);
@@ -224,10 +224,9 @@ iso_status iso_clusters_improve(clusters *c, size_t trials, iso_random *random, 
     s.saved = malloc(n * sizeof *s.saved);
     s.moved_item = malloc(capacity * sizeof *s.moved_item);
     s.moved_from = malloc(capacity * sizeof *s.moved_from);
-    iso_status status = ISO_OK;
     if (!s.queued || !s.touched || !s.list || !s.next_list || !s.split_gain || !s.removal_loss || !s.saved ||
         !s.moved_item || !s.moved_from) {
-        status = iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu clusters of %zu bundles", n, c->item_count);
+        return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu clusters of %zu bundles", n, c->item_count);
     } else {
         for (uint32_t k = 0; k < n; ++k)
             iso_clusters_find_neighbors(c, k);
@@ -241,6 +240,5 @@ iso_status iso_clusters_improve(clusters *c, size_t trials, iso_random *random, 
             iso_search_queue(&s, k);
         iso_search_exchange(&s, 30);
     }
-    search_destroy(&s);
-    return status;
+    return ISO_OK;
 }

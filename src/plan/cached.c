@@ -133,9 +133,7 @@ static iso_status draw_by_cpu(cache *c, const iso_brick_field *field, iso_image 
 static iso_status draw(cache *c, iso_image *image, iso_cached_report *r, iso_error *err)
 {
     const iso_brick_field field = {.nodes = c->nodes, .levels = c->plan->levels, .faces = ISO_FACES_BAKED};
-    const iso_status status = c->gl ? draw_by_gl(c, &field, image, r, err) : draw_by_cpu(c, &field, image, r, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(c->gl ? draw_by_gl(c, &field, image, r, err) : draw_by_cpu(c, &field, image, r, err));
     for (size_t i = 0; i < c->plan->brick_count; ++i)
         r->bricks_by_level[c->plan->levels[i]] += c->visible[i];
     if (c->opt->cache_bytes > 0 && r->cache_bytes > c->opt->cache_bytes) {
@@ -165,16 +163,13 @@ iso_status iso_cached_render_nodes(iso_gl *gl, const iso_node_levels *nodes, iso
 iso_status iso_cached_render(iso_gl *gl, const iso_level *level0, const iso_view *view, const iso_cached_options *opt,
                              iso_image *image, const iso_progress *progress, iso_error *err)
 {
-    iso_node_levels nodes = {0};
-    iso_plan_errors plan = {0};
+    OWNED(iso_node_levels) nodes = {0};
+    OWNED(iso_plan_errors) plan = {0};
     if (opt->report)
         *opt->report = (iso_cached_report){0};
     *image = (iso_image){0};
-    iso_status status = iso_node_levels_begin(&nodes, level0, opt->brick_voxels, opt->level_count, opt->threads, err);
-    TRY(status, iso_node_levels_complete(&nodes, opt->threads, err));
-    TRY(status, iso_plan_errors_create(&plan, &nodes, view, 1, opt->threads, progress, err));
-    TRY(status, iso_cached_render_nodes(gl, &nodes, &plan, view, opt, image, err));
-    iso_plan_errors_destroy(&plan);
-    iso_node_levels_destroy(&nodes);
-    return status;
+    NEED(iso_node_levels_begin(&nodes, level0, opt->brick_voxels, opt->level_count, opt->threads, err));
+    NEED(iso_node_levels_complete(&nodes, opt->threads, err));
+    NEED(iso_plan_errors_create(&plan, &nodes, view, 1, opt->threads, progress, err));
+    return iso_cached_render_nodes(gl, &nodes, &plan, view, opt, image, err);
 }

@@ -39,26 +39,22 @@ static iso_status read_bricks(const char *path, const char *levels, const char *
 
 json_t *iso_plan_file_bricks(const uint8_t *levels, const uint8_t *drawn, const uint8_t *seen, size_t count)
 {
-    char *digits = malloc(count + 1), *use = malloc(count + 1);
+    FREED char *digits = malloc(count + 1), *use = malloc(count + 1);
     for (size_t i = 0; digits && use && i < count; ++i) {
         digits[i] = (char)('0' + levels[i]);
         use[i] = drawn[i] ? 'd' : seen[i] ? 'h' : 'u';
     }
     json_t *both = digits && use ? json_pack("{s:s%, s:s%}", "levels", digits, count, "use", use, count) : NULL;
-    free(digits);
-    free(use);
     return both;
 }
 
 iso_status iso_plan_file_load(const char *path, iso_plan_file *plan, iso_error *err)
 {
-    json_t *root = NULL;
+    json_auto_t *root = NULL;
     *plan = (iso_plan_file){0};
     NEED(iso_inputs_note(path, err));
     NEED(iso_json_load(path, &root, err));
-    const iso_status status = iso_plan_file_from_json(root, path, plan, err);
-    json_decref(root);
-    return status;
+    return iso_plan_file_from_json(root, path, plan, err);
 }
 
 iso_status iso_plan_file_from_json(const json_t *root, const char *path, iso_plan_file *plan, iso_error *err)

@@ -44,11 +44,9 @@ iso_status iso_planner_add_views(const iso_scene *scene, size_t turns, const iso
 static iso_status load_scene_views(const iso_subject_look *look, size_t turns, const iso_pyramid *p, iso_view *views,
                                    size_t *count, iso_error *err)
 {
-    iso_scene scene;
+    OWNED(iso_scene) scene = {0};
     NEED(iso_subject_make_scene(look, p, &scene, err));
-    const iso_status status = iso_planner_add_views(&scene, turns, p, views, count, err);
-    iso_scene_destroy(&scene);
-    return status;
+    return iso_planner_add_views(&scene, turns, p, views, count, err);
 }
 
 iso_status iso_planner_check_pyramid(const iso_pyramid *p, const char *path, iso_error *err)
@@ -142,7 +140,7 @@ static iso_status render_levels(iso_planner *p, const uint8_t *levels, const uin
 /* Measures the error of an image in which nothing is drawn. */
 static iso_status measure_blank(const iso_image *full, const iso_view *view, double *rmse, iso_error *err)
 {
-    iso_image blank;
+    OWNED(iso_image) blank = {0};
     iso_metrics measured;
     NEED(iso_image_create(&blank, full->width, full->height, err));
     for (size_t i = 0; i < full->width * full->height; ++i)
@@ -150,7 +148,6 @@ static iso_status measure_blank(const iso_image *full, const iso_view *view, dou
             blank.rgba[4 * i + c] = c < 3 ? (float)view->background[c] : 0;
     iso_status status = iso_metrics_measure_differences(&blank, full, &measured, err);
     *rmse = fmin(*rmse, measured.rmse);
-    iso_image_destroy(&blank);
     return status;
 }
 
@@ -212,7 +209,7 @@ static iso_status count_drawn(const iso_planner *p, iso_plan_trial *t, iso_error
 {
     const iso_brick_field field = {.nodes = p->nodes, .levels = t->levels, .faces = p->faces};
     size_t count = p->plan.brick_count;
-    uint8_t *visible = malloc(count);
+    FREED uint8_t *visible = malloc(count);
     if (!visible)
         return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
     for (size_t v = 0; v < p->view_count; ++v) {
@@ -229,7 +226,6 @@ static iso_status count_drawn(const iso_planner *p, iso_plan_trial *t, iso_error
         t->drawn_count += t->drawn[i];
         t->node_count += t->drawn[i] ? side * side * side : 0;
     }
-    free(visible);
     return ISO_OK;
 }
 
@@ -362,9 +358,8 @@ json_t *iso_planner_json(const iso_planner *p, double error)
         "full_bytes", full_bytes, "bytes_part", iso_plan_trial_bytes(t) / full_bytes, "renders", p->render_count,
         "bricks_by_level", counts, "bricks", (int)p->nodes->count[0], (int)p->nodes->count[1], (int)p->nodes->count[2],
         "brick_voxels", (int)p->nodes->brick_voxels, "level_count", (int)p->nodes->level_count);
-    json_t *bricks = iso_plan_file_bricks(t->levels, t->drawn, p->wanted, p->plan.brick_count);
+    json_auto_t *bricks = iso_plan_file_bricks(t->levels, t->drawn, p->wanted, p->plan.brick_count);
     const bool complete = plan && bricks && json_object_update(plan, bricks) == 0;
-    json_decref(bricks);
     if (complete)
         return plan;
     json_decref(plan);

@@ -483,15 +483,13 @@ iso_status iso_cascade_feed(iso_cascade *c, const iso_planes *in, size_t z0, siz
                             iso_error *err)
 {
     const size_t step = iso_cascade_step(c), last = c->size[0][2];
-    iso_status status = run_tiles(c, in, out,
-                                  (tile_range){0, c->tile_top, first_tile(c, z0, z1, out), (z1 + step - 1) / step},
-                                  err);
-    if (status == ISO_OK && c->carry && z1 == last)
-        status = run_tiles(c, in, out, (tile_range){c->tile_top, c->level_count - 1, 0, c->size[c->level_count - 1][2]},
-                           err);
-    TRY(status, iso_cascade_gauss_feed(c, in, z0, z1, out, err));
-    TRY(status, iso_cascade_spline_feed(c, in, z0, z1, out, err));
-    return status == ISO_OK ? iso_cascade_weighted_feed(c, in, z0, z1, out, err) : status;
+    NEED(run_tiles(c, in, out, (tile_range){0, c->tile_top, first_tile(c, z0, z1, out), (z1 + step - 1) / step}, err));
+    if (c->carry && z1 == last)
+        NEED(run_tiles(c, in, out, (tile_range){c->tile_top, c->level_count - 1, 0, c->size[c->level_count - 1][2]},
+                       err));
+    NEED(iso_cascade_gauss_feed(c, in, z0, z1, out, err));
+    NEED(iso_cascade_spline_feed(c, in, z0, z1, out, err));
+    return iso_cascade_weighted_feed(c, in, z0, z1, out, err);
 }
 
 void iso_cascade_get_agreement(const iso_cascade *c, size_t level, iso_agreement *sums)

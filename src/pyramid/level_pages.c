@@ -30,14 +30,13 @@ static iso_status check_file(const paged_file *f, const char *header, size_t vox
 {
     struct stat st;
     const size_t bytes = f->header_bytes + voxels * f->voxel_bytes;
-    char *found = malloc(f->header_bytes + 1);
+    FREED char *found = malloc(f->header_bytes + 1);
     iso_status status = found ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", f->path);
     if (status == ISO_OK && (fstat(f->fd, &st) != 0 || (size_t)st.st_size != bytes))
         status = iso_fail(err, ISO_E_FORMAT, "%s: not the %zu bytes that pyramid.json describes", f->path, bytes);
     if (status == ISO_OK && (pread(f->fd, found, f->header_bytes, 0) != (ssize_t)f->header_bytes ||
                              memcmp(found, header, f->header_bytes) != 0))
         status = iso_fail(err, ISO_E_FORMAT, "%s: its NRRD header is not the one that pyramid.json describes", f->path);
-    free(found);
     return status;
 }
 
@@ -46,20 +45,15 @@ static iso_status open_file(const char *dir, const iso_level *level, size_t k, c
 {
     char name[64];
     iso_layout_name(layout, k, name);
-    char *header = iso_layout_header(&level->geometry, layout);
+    FREED char *header = iso_layout_header(&level->geometry, layout);
     f->path = iso_path_join(dir, name);
-    iso_status status = header && f->path ? iso_inputs_note(f->path, err)
-                                          : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
-    if (status == ISO_OK && (f->fd = open(f->path, O_RDONLY | O_CLOEXEC)) < 0)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", f->path, strerror(errno));
-    if (status == ISO_OK) {
-        f->header_bytes = strlen(header);
-        f->type = layout->type;
-        f->voxel_bytes = layout->components * iso_type_bytes(layout->type);
-        status = check_file(f, header, iso_geometry_voxel_count(&level->geometry), err);
-    }
-    free(header);
-    return status;
+    NEED(header && f->path ? iso_inputs_note(f->path, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name));
+    if ((f->fd = open(f->path, O_RDONLY | O_CLOEXEC)) < 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be opened: %s", f->path, strerror(errno));
+    f->header_bytes = strlen(header);
+    f->type = layout->type;
+    f->voxel_bytes = layout->components * iso_type_bytes(layout->type);
+    return check_file(f, header, iso_geometry_voxel_count(&level->geometry), err);
 }
 
 iso_status iso_level_pages_open(const char *dir, const iso_pyramid *outline, size_t level, bool with_codes,

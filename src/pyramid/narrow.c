@@ -112,7 +112,7 @@ static iso_status make_codes(iso_narrow_codes *c, const void *samples, iso_error
 
 iso_status iso_narrow_codes_make(iso_narrow_codes *c, const size_t first[3], const size_t end[3], iso_error *err)
 {
-    void *own = NULL;
+    FREED void *own = NULL;
     widen(c, first, end, c->first, c->size);
     const size_t bytes = 3 * c->size[0] * c->size[1] * c->size[2];
     if (bytes > c->codes_bytes) {
@@ -121,11 +121,9 @@ iso_status iso_narrow_codes_make(iso_narrow_codes *c, const size_t first[3], con
         c->codes_bytes = c->codes ? bytes : 0;
     }
     const void *samples = c->codes ? box_samples(c, &own) : NULL;
-    const iso_status status = samples ? make_codes(c, samples, err)
-                                      : iso_fail(err, ISO_E_MEMORY, "no memory for directions of %zu x %zu x %zu voxels",
-                                                 c->size[0], c->size[1], c->size[2]);
-    free(own);
-    return status;
+    return samples ? make_codes(c, samples, err)
+                   : iso_fail(err, ISO_E_MEMORY, "no memory for directions of %zu x %zu x %zu voxels", c->size[0],
+                              c->size[1], c->size[2]);
 }
 
 void iso_narrow_codes_destroy(iso_narrow_codes *c)

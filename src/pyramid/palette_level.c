@@ -24,7 +24,7 @@ iso_status iso_level_attach_palette(iso_level *level, iso_code code, const iso_p
     uint16_t *index = malloc(count * sizeof *index);
     iso_palette_lookup *lookup = NULL;
     const float *directions;
-    float *owned = NULL;
+    FREED float *owned = NULL;
     iso_status status = index ? iso_palette_lookup_create(palette, &lookup, err)
                               : iso_fail(err, ISO_E_MEMORY, "no memory for %zu palette indices", count);
     TRY(status, iso_level_directions(level, code, &directions, &owned, err));
@@ -36,7 +36,6 @@ iso_status iso_level_attach_palette(iso_level *level, iso_code code, const iso_p
         free(index);
     }
     iso_palette_lookup_destroy(lookup);
-    free(owned);
     return status;
 }
 
@@ -54,7 +53,7 @@ iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t d
     iso_direction_set set = {0};
     iso_direction_pool *pool;
     const float *vectors;
-    float *owned;
+    FREED float *owned = NULL;
     opt.directions = directions;
     opt.swap_trials = swap_trials;
     *palette = (iso_palette){0};
@@ -67,6 +66,5 @@ iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t d
     TRY(status, iso_palette_fit(&set, &opt, palette, NULL, err));
     iso_direction_set_destroy(&set);
     iso_direction_pool_destroy(pool);
-    free(owned);
     return status;
 }

@@ -103,19 +103,17 @@ iso_direction_filter iso_direction_filter_of(const iso_pyramid_options *opt, siz
 iso_status iso_scalar_filter_from_name(const char *name, iso_scalar_filter *f, iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(&iso_scalar_filter_names, name, &row, err);
-    if (status == ISO_OK)
-        *f = (iso_scalar_filter)row;
-    return status;
+    NEED(iso_names_find(&iso_scalar_filter_names, name, &row, err));
+    *f = (iso_scalar_filter)row;
+    return ISO_OK;
 }
 
 iso_status iso_direction_filter_from_name(const char *name, iso_direction_filter *f, iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(&iso_direction_filter_names, name, &row, err);
-    if (status == ISO_OK)
-        *f = (iso_direction_filter)row;
-    return status;
+    NEED(iso_names_find(&iso_direction_filter_names, name, &row, err));
+    *f = (iso_direction_filter)row;
+    return ISO_OK;
 }
 
 iso_status iso_pyramid_check_options(const iso_pyramid_options *opt, iso_error *err)
@@ -308,12 +306,10 @@ iso_status iso_pyramid_complete(iso_pyramid *p, const iso_progress *progress, is
     iso_pyramid whole;
     if (!p->volume)
         return ISO_OK;
-    const iso_status status = iso_pyramid_build(p->volume, p->source, &p->options, &whole, progress, err);
-    if (status == ISO_OK) {
-        iso_pyramid_destroy(p);
-        *p = whole;
-    }
-    return status;
+    NEED(iso_pyramid_build(p->volume, p->source, &p->options, &whole, progress, err));
+    iso_pyramid_destroy(p);
+    *p = whole;
+    return ISO_OK;
 }
 
 void iso_pyramid_share_segments(iso_pyramid *p)

@@ -43,7 +43,7 @@ char *iso_layout_header(const iso_geometry *g, const level_file *f)
     const iso_mat3 *m = &g->index_to_world;
     iso_vec3 o = iso_geometry_to_world(g, iso_v3(0.5, 0.5, 0.5));
     const bool vector = f->components > 1;
-    char *text = NULL;
+    FREED char *text = NULL;
     int n = asprintf(&text,
                      "NRRD0004\ntype: %s\ndimension: %d\nspace dimension: 3\nsizes: %s%zu %zu %zu\n"
                      "space directions: %s(%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g)\n"
@@ -57,7 +57,6 @@ char *iso_layout_header(const iso_geometry *g, const level_file *f)
     char *padded = NULL;
     int fill = (ALIGNMENT - (n + 4) % ALIGNMENT) % ALIGNMENT; /* "# ", the fill, two line ends */
     n = asprintf(&padded, "%s# %*s\n\n", text, fill, "");
-    free(text);
     return n < 0 ? NULL : padded;
 }
 
@@ -118,21 +117,17 @@ void iso_layout_choice(const iso_pyramid_options *opt, size_t level, json_t *obj
 
 static iso_status save_text(const char *dir, const char *name, const char *text, iso_error *err)
 {
-    char *path = iso_path_join(dir, name);
-    iso_status status = path && text ? iso_file_write(path, text, strlen(text), err)
-                                     : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %s", dir, name);
-    free(path);
-    return status;
+    FREED char *path = iso_path_join(dir, name);
+    return path && text ? iso_file_write(path, text, strlen(text), err)
+                        : iso_fail(err, ISO_E_MEMORY, "%s: no memory for %s", dir, name);
 }
 
 enum { DUMP_FLAGS = JSON_INDENT(2) | JSON_REAL_PRECISION(17) };
 
 iso_status iso_layout_save_json(const char *dir, const char *name, const json_t *root, iso_error *err)
 {
-    char *text = json_dumps(root, DUMP_FLAGS);
-    iso_status status = save_text(dir, name, text, err);
-    free(text);
-    return status;
+    FREED char *text = json_dumps(root, DUMP_FLAGS);
+    return save_text(dir, name, text, err);
 }
 
 /* ---- the checksum of pyramid.json: of its text with these zeros in the checksum's place ---- */
@@ -160,16 +155,15 @@ static void put_checksum(char *text, size_t size, char *place)
 
 iso_status iso_layout_load(const char *path, json_t **root, iso_error *err)
 {
-    char *text = NULL, *place;
+    char *place;
+    FREED char *text = NULL;
     size_t size;
     *root = NULL;
     iso_status status = iso_inputs_note(path, err);
     TRY(status, iso_file_read(path, &text, &size, err));
     TRY(status, iso_json_parse(path, text, size, root, err));
-    if (status != ISO_OK) {
-        free(text);
+    if (status != ISO_OK)
         return status;
-    }
     const char *said = json_string_value(json_object_get(*root, "xxh3_64")), *schema = NULL;
     iso_json_reader r = {.path = path, .err = err};
     iso_json_get_string(&r, *root, "schema", true, &schema);
@@ -191,16 +185,15 @@ iso_status iso_layout_load(const char *path, json_t **root, iso_error *err)
         json_decref(*root);
         *root = NULL;
     }
-    free(text);
     return status;
 }
 
 iso_status iso_layout_save(const char *dir, const char *source, const iso_pyramid_unit *unit,
                            const iso_pyramid_options *opt, json_t *levels, const iso_pyramid *of, iso_error *err)
 {
-    json_t *root = json_pack("{s:s, s:s, s:s, s:o, s:o}", "schema", ISO_PYRAMID_SCHEMA, "source",
-                             iso_provenance_name(source), "built_by", "isoshade " ISO_VERSION, "options",
-                             iso_layout_options(opt), "levels", levels);
+    json_auto_t *root = json_pack("{s:s, s:s, s:s, s:o, s:o}", "schema", ISO_PYRAMID_SCHEMA, "source",
+                                  iso_provenance_name(source), "built_by", "isoshade " ISO_VERSION, "options",
+                                  iso_layout_options(opt), "levels", levels);
     if (root && unit->name[0])
         json_object_set_new(root, "unit", json_pack("{s:s, s:f}", "name", unit->name, "mm", unit->mm));
     if (root && of && of->segments)
@@ -208,11 +201,8 @@ iso_status iso_layout_save(const char *dir, const char *source, const iso_pyrami
     if (root && of && of->made_for)
         json_object_set(root, "made_for", of->made_for);
     json_object_set_new(root, "xxh3_64", json_string(no_checksum));
-    char *text = root ? json_dumps(root, DUMP_FLAGS) : NULL;
+    FREED char *text = root ? json_dumps(root, DUMP_FLAGS) : NULL;
     if (text)
         put_checksum(text, strlen(text), find_digits(text, no_checksum));
-    const iso_status status = save_text(dir, ISO_PYRAMID_MARKER, text, err);
-    free(text);
-    json_decref(root);
-    return status;
+    return save_text(dir, ISO_PYRAMID_MARKER, text, err);
 }

@@ -63,17 +63,16 @@ static iso_status begin(pyramid_build *s, size_t *done, iso_error *err)
         s->out.levels[k].first = iso_cascade_complete(s->cascade, k, *done);
     s->report->resumed_at_plane = *done;
     s->plan.start = stream_is_alone(s) ? iso_cascade_warm_up(s->cascade, *done) : *done;
-    iso_status status = iso_stream_output_open(&s->out, s->output.temp_path, err);
-    TRY(status, iso_stream_take_up_carry(s, s->output.temp_path, *done, err));
+    NEED(iso_stream_output_open(&s->out, s->output.temp_path, err));
+    NEED(iso_stream_take_up_carry(s, s->output.temp_path, *done, err));
     size_t plane_floats;
-    if (status == ISO_OK && iso_cascade_carry(s->cascade, &plane_floats)) {
-        char *path = iso_path_join(s->output.temp_path, STREAM_CARRY_NAME);
-        status = path ? iso_bigfile_open(path, s->out.direct, s->carry_planes * plane_floats * sizeof(float), &s->carry,
-                                         err)
-                      : iso_fail(err, ISO_E_MEMORY, "out of memory");
-        free(path);
+    if (iso_cascade_carry(s->cascade, &plane_floats)) {
+        FREED char *path = iso_path_join(s->output.temp_path, STREAM_CARRY_NAME);
+        NEED(path
+                 ? iso_bigfile_open(path, s->out.direct, s->carry_planes * plane_floats * sizeof(float), &s->carry, err)
+                 : iso_fail(err, ISO_E_MEMORY, "out of memory"));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Files that a build writes into the folder. */
@@ -170,7 +169,7 @@ iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_opti
     s->opt = &s->own;
     double scale = 1;
     size_t done = 0;
-    json_t *job = NULL;
+    json_auto_t *job = NULL;
     iso_status status = open_input(s, err);
     TRY(status, iso_ranks_agree(how->ranks, set_up(s, &scale, progress, err), err));
     TRY(status, begin_all(s, dir, scale, &job, &done, err));
@@ -182,7 +181,6 @@ iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_opti
     TRY(status, finish(s, err));
     if (status != ISO_OK)
         iso_output_rename_in(s->plan.folder, dir, err);
-    json_decref(job);
     /* A later run resumes after a requested stop. It also keeps an earlier build's files that did not cause the
      * error. */
     const bool stays = s->resumed && (status == ISO_E_IO || status == ISO_E_MEMORY);

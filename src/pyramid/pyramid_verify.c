@@ -112,17 +112,16 @@ static iso_status run(rebuild *r, size_t slab, const iso_progress *progress, iso
     const iso_level *l = &r->p->levels[0];
     const size_t nz = l->geometry.size[2];
     const iso_planes planes = planes_of(l);
-    iso_status status = ISO_OK;
-    for (size_t z = 0; z < nz && status == ISO_OK; z += slab) {
+    for (size_t z = 0; z < nz; z += slab) {
         const size_t end = z + slab < nz ? z + slab : nz;
         iso_progress_report(progress, "levels", (double)z / (double)nz);
         for (size_t k = 0; k < r->level_count; ++k)
             r->out[k].first = iso_cascade_complete(r->cascade, k, z);
-        status = iso_cascade_feed(r->cascade, &planes, z, end, r->out, err);
-        for (size_t k = 0; k < r->p->level_count && status == ISO_OK; ++k)
+        NEED(iso_cascade_feed(r->cascade, &planes, z, end, r->out, err));
+        for (size_t k = 0; k < r->p->level_count; ++k)
             compare_planes(r, k, iso_cascade_complete(r->cascade, k, end));
     }
-    return status;
+    return ISO_OK;
 }
 
 static bool is_same_geometry(const iso_geometry *a, const iso_geometry *b)

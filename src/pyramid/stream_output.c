@@ -113,7 +113,7 @@ static iso_status write_and_hash(stream_level *l, int i, const char *data, size_
 static iso_status hash_file(const char *path, XXH3_state_t *hash, size_t bytes, iso_error *err)
 {
     enum { CHUNK = 1 << 20 };
-    char *chunk = malloc(CHUNK);
+    FREED char *chunk = malloc(CHUNK);
     FILE *file = fopen(path, "rb");
     bool good = chunk && file;
     for (size_t done = 0; done < bytes && good;) {
@@ -123,7 +123,6 @@ static iso_status hash_file(const char *path, XXH3_state_t *hash, size_t bytes, 
             XXH3_64bits_update(hash, chunk, n);
         done += n;
     }
-    free(chunk);
     if (file)
         fclose(file);
     return good ? ISO_OK : iso_fail(err, ISO_E_FORMAT, "%s: holds less than progress.json says", path);
@@ -144,8 +143,7 @@ static iso_status open_file(stream_output *o, const char *path, const char *head
 
 static iso_status open_files(stream_output *o, const char *dir, bool join, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t at = 0; at < o->level_count * FILE_COUNT && status == ISO_OK; ++at) {
+    for (size_t at = 0; at < o->level_count * FILE_COUNT; ++at) {
         const size_t k = at / FILE_COUNT;
         const int i = (int)(at % FILE_COUNT);
         stream_level *l = &o->levels[k];
@@ -153,14 +151,12 @@ static iso_status open_files(stream_output *o, const char *dir, bool join, iso_e
             continue;
         char name[64];
         iso_layout_name(&l->files[i], k, name);
-        char *path = iso_path_join(dir, name), *header = iso_layout_header(&l->geometry, &l->files[i]);
+        FREED char *path = iso_path_join(dir, name), *header = iso_layout_header(&l->geometry, &l->files[i]);
         l->hash[i] = XXH3_createState();
-        status = path && header && l->hash[i] ? open_file(o, path, header, k, i, join, err)
-                                              : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
-        free(header);
-        free(path);
+        NEED(path && header && l->hash[i] ? open_file(o, path, header, k, i, join, err)
+                                          : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name));
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_stream_output_open(stream_output *o, const char *dir, iso_error *err)

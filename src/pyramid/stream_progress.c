@@ -13,9 +13,8 @@
 
 static void add_json(iso_key *key, const char *part, json_t *value)
 {
-    char *text = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
+    FREED char *text = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
     iso_key_add_text(key, part, text ? text : "");
-    free(text);
     json_decref(value);
 }
 
@@ -59,18 +58,14 @@ iso_status iso_stream_take_up_carry(pyramid_build *s, const char *folder, size_t
     const size_t level = iso_cascade_carry_level(s->cascade), planes = z >> level;
     if (!carry || planes == 0)
         return ISO_OK;
-    char *path = iso_path_join(folder, STREAM_CARRY_NAME), *data = NULL;
+    FREED char *path = iso_path_join(folder, STREAM_CARRY_NAME), *data = NULL;
     size_t size = 0;
-    iso_status status = path ? iso_file_read(path, &data, &size, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK && size < planes * plane_floats * sizeof *carry)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: holds less than progress.json says", path);
-    if (status == ISO_OK) {
-        memcpy(carry, data, planes * plane_floats * sizeof *carry);
-        s->carry_planes = planes;
-    }
-    free(data);
-    free(path);
-    return status;
+    NEED(path ? iso_file_read(path, &data, &size, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    if (size < planes * plane_floats * sizeof *carry)
+        return iso_fail(err, ISO_E_FORMAT, "%s: holds less than progress.json says", path);
+    memcpy(carry, data, planes * plane_floats * sizeof *carry);
+    s->carry_planes = planes;
+    return ISO_OK;
 }
 
 /* Takes the state that a build resumes from; false if the notes are incomplete. */
@@ -91,15 +86,14 @@ static bool take_notes(pyramid_build *s, const json_t *found, size_t *planes)
 
 iso_status iso_stream_read_progress(pyramid_build *s, bool *is_same, size_t *planes, iso_error *err)
 {
-    char *path = iso_path_join(s->output.temp_path, STREAM_PROGRESS_NAME), *why = s->report->not_resumed;
-    json_t *found = NULL;
+    char *why = s->report->not_resumed;
+    FREED char *path = iso_path_join(s->output.temp_path, STREAM_PROGRESS_NAME);
+    json_auto_t *found = NULL;
     iso_error failure;
     const iso_status status = path && iso_path_exists(path) ? iso_json_load(path, &found, &failure) : ISO_E_FORMAT;
     *is_same = status == ISO_OK &&
                !iso_key_differs(s->key, json_object_get(found, "key"), why, sizeof s->report->not_resumed) &&
                take_notes(s, found, planes);
-    json_decref(found);
-    free(path);
     return status == ISO_E_IO ? iso_fail(err, status, "%s", failure.text) : ISO_OK;
 }
 
@@ -135,10 +129,9 @@ iso_status iso_stream_note_progress(pyramid_build *s, json_t *job, size_t z, iso
 
 static void remove_in(const char *dir, const char *name)
 {
-    char *path = iso_path_join(dir, name);
+    FREED char *path = iso_path_join(dir, name);
     if (path)
         unlink(path);
-    free(path);
 }
 
 void iso_stream_remove_progress(const pyramid_build *s)

@@ -74,9 +74,8 @@ iso_status iso_bound_field_create(iso_bound_field *field, const iso_image_bound_
                                .lit = v->light_count > 0 && (v->shading.diffuse > 0 || v->shading.specular > 0)};
     if (!iso_image_bound_is_for(v))
         return iso_fail(err, ISO_E_RANGE, "bound: not for clip planes, 2D transfer functions and regions of interest");
-    const iso_status status = iso_sampler_create(&field->sampler[FINE], in->fine, in->code, in->source, err);
-    return status == ISO_OK ? iso_sampler_create(&field->sampler[COARSE], in->coarse, in->code, in->source, err)
-                            : status;
+    NEED(iso_sampler_create(&field->sampler[FINE], in->fine, in->code, in->source, err));
+    return iso_sampler_create(&field->sampler[COARSE], in->coarse, in->code, in->source, err);
 }
 
 void iso_bound_field_destroy(iso_bound_field *field)

@@ -220,16 +220,13 @@ iso_status iso_reference_render(const iso_level *level, iso_code code, const iso
                                 const iso_reference_options *opt, iso_image *image, const iso_progress *progress,
                                 iso_error *err)
 {
-    iso_sampler sampler = {0}, roi = {0};
+    OWNED(iso_sampler) sampler = {0}, roi = {0};
     *image = (iso_image){0};
-    iso_status status = check_options(view, opt, err);
-    TRY(status, iso_sampler_create(&sampler, level, code, opt->source, err));
-    if (status == ISO_OK && view->roi)
-        status = iso_sampler_create(&roi, &view->roi->level, code, opt->source, err);
-    TRY(status, render_all(&sampler, &roi, view, opt, image, progress, err));
-    iso_sampler_destroy(&roi);
-    iso_sampler_destroy(&sampler);
-    return status;
+    NEED(check_options(view, opt, err));
+    NEED(iso_sampler_create(&sampler, level, code, opt->source, err));
+    if (view->roi)
+        NEED(iso_sampler_create(&roi, &view->roi->level, code, opt->source, err));
+    return render_all(&sampler, &roi, view, opt, image, progress, err);
 }
 
 iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_view *view,
@@ -239,12 +236,10 @@ iso_status iso_reference_render_bricks(const iso_brick_field *bricks, const iso_
     iso_sampler sampler;
     iso_level level;
     *image = (iso_image){0};
-    iso_status status = check_options(view, opt, err);
-    if (status == ISO_OK && (view->tf_2d || view->extinction_scale || view->roi))
-        status = iso_fail(err, ISO_E_RANGE,
-                          "reference: bricks have no 2D transfer function, extinction scale or region of interest");
-    if (status != ISO_OK)
-        return status;
+    NEED(check_options(view, opt, err));
+    if (view->tf_2d || view->extinction_scale || view->roi)
+        return iso_fail(err, ISO_E_RANGE,
+                        "reference: bricks have no 2D transfer function, extinction scale or region of interest");
     iso_sampler_of_bricks(&sampler, bricks, &level);
     return render_all(&sampler, NULL, view, opt, image, progress, err);
 }

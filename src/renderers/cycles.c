@@ -22,10 +22,9 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
 {
     (void)r;
     iso_cycles_about about;
-    const iso_status status = iso_cycles_ask(program_of(self), &about, err);
-    if (status == ISO_OK)
-        snprintf(text, size, "Blender %s on %s", about.version, about.device);
-    return status;
+    NEED(iso_cycles_ask(program_of(self), &about, err));
+    snprintf(text, size, "Blender %s on %s", about.version, about.device);
+    return ISO_OK;
 }
 
 static iso_blender_options take_options(const iso_render_options *opt)
@@ -86,14 +85,12 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
 
 static iso_status render_several(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
 {
-    iso_blender_options *o = malloc(count * sizeof *o);
+    FREED iso_blender_options *o = malloc(count * sizeof *o);
     if (!o)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", count);
     for (size_t i = 0; i < count; ++i)
         o[i] = take_options(&q->options[i]);
-    const iso_status status = render_kept(q, o, count, images, err);
-    free(o);
-    return status;
+    return render_kept(q, o, count, images, err);
 }
 
 static char *first_command; /* of "cycles", if its Blender was named */
@@ -180,11 +177,9 @@ static iso_status add_blender(const char *program, const char *found_version, is
         snprintf(b->name, sizeof b->name, "cycles-%s", which);
     }
     snprintf(b->title, sizeof b->title, "Blender Cycles %s", which);
-    iso_status status = iso_blender_find(program, &b->program, err);
-    if (status == ISO_OK && !(b->command = command_with(b->program)))
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_blender_find(program, &b->program, err));
+    if (!(b->command = command_with(b->program)))
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
     b->info = iso_renderer_cycles;
     b->info.name = b->name;
     b->info.title = b->title;
@@ -200,12 +195,11 @@ static iso_status add_blender(const char *program, const char *found_version, is
 /* Sets the command of this renderer, and the Blender that exports and viewing commands use. */
 static iso_status take_first(const char *program, iso_error *err)
 {
-    char *path = NULL;
-    iso_status status = iso_blender_find(program, &path, err);
-    if (status == ISO_OK && (!(first_command = command_with(path)) || setenv("ISOSHADE_BLENDER", path, 1) != 0))
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    free(path);
-    return status;
+    FREED char *path = NULL;
+    NEED(iso_blender_find(program, &path, err));
+    if (!(first_command = command_with(path)) || setenv("ISOSHADE_BLENDER", path, 1) != 0)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    return ISO_OK;
 }
 
 iso_status iso_renderers_take_blenders(const char *list, iso_error *err)

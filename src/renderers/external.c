@@ -232,19 +232,13 @@ static iso_status check_file(const char *path, const char *file, const char *req
 
 static iso_status take_picture(const start *s, const char *file, const iso_view *view, iso_image *image, iso_error *err)
 {
-    char *asked = iso_path_join(s->dir, file), *request = iso_path_join(s->dir, "request.json"), *path = NULL;
-    iso_status status = asked && request ? iso_picture_find(asked, file, &path, err)
-                                         : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    char *alpha = status == ISO_OK ? iso_picture_alpha(path) : NULL;
-    TRY(status, check_file(path, iso_path_base(path), request, err));
-    if (status == ISO_OK && alpha)
-        status = check_file(alpha, iso_path_base(alpha), request, err);
-    TRY(status, iso_picture_load(path, iso_path_base(path), view, image, err));
-    free(alpha);
-    free(path);
-    free(asked);
-    free(request);
-    return status;
+    FREED char *asked = iso_path_join(s->dir, file), *request = iso_path_join(s->dir, "request.json"), *path = NULL;
+    NEED(asked && request ? iso_picture_find(asked, file, &path, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    FREED char *alpha = iso_picture_alpha(path);
+    NEED(check_file(path, iso_path_base(path), request, err));
+    if (alpha)
+        NEED(check_file(alpha, iso_path_base(alpha), request, err));
+    return iso_picture_load(path, iso_path_base(path), view, image, err);
 }
 
 /* Prefixes the renderer's name to an error, and appends its last output line if the error does not quote it yet. */
@@ -274,7 +268,7 @@ static iso_status render_in(start *s, const iso_render_request *q, const iso_req
                             iso_error *err)
 {
     const iso_external *e = s->renderer->data;
-    char *path = iso_path_join(s->dir, "request.json");
+    FREED char *path = iso_path_join(s->dir, "request.json");
     iso_status status = path ? iso_request_write(request, s->dir, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
     iso_progress_report(q->progress, s->renderer->name, 0);
     if (status == ISO_OK) {
@@ -286,13 +280,12 @@ static iso_status render_in(start *s, const iso_render_request *q, const iso_req
             status = add_context(s, status, &why, err);
         note_start(s->renderer, &s->outcome, &s->output, status == ISO_OK ? NULL : why.text);
     }
-    free(path);
     return status;
 }
 
 iso_status iso_external_render_several(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
 {
-    iso_request_frame *frames = calloc(count, sizeof *frames);
+    FREED iso_request_frame *frames = calloc(count, sizeof *frames);
     char(*names)[FILE_NAME_BYTES] = calloc(count, sizeof *names);
     start s = {.dir = NULL};
     memset(images, 0, count * sizeof *images);
@@ -311,7 +304,6 @@ iso_status iso_external_render_several(const iso_render_request *q, size_t count
     for (size_t i = 0; i < count && status != ISO_OK; ++i)
         iso_image_destroy(&images[i]);
     end(&s);
-    free(frames);
     free(names);
     return status;
 }

@@ -329,15 +329,11 @@ iso_status iso_external_register(json_t *json, const char *path, const char *fol
 
 static iso_status load_file(const char *path, iso_error *err)
 {
-    json_t *root = NULL;
-    char *absolute = realpath(path, NULL), *folder = absolute ? iso_path_dir(absolute) : NULL;
-    iso_status status = folder ? iso_json_load(path, &root, err)
-                               : iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", path, strerror(errno));
-    TRY(status, add_rows(path, folder, root, err));
-    json_decref(root);
-    free(folder);
-    free(absolute);
-    return status;
+    json_auto_t *root = NULL;
+    FREED char *absolute = realpath(path, NULL), *folder = absolute ? iso_path_dir(absolute) : NULL;
+    NEED(folder ? iso_json_load(path, &root, err)
+                : iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", path, strerror(errno)));
+    return add_rows(path, folder, root, err);
 }
 
 iso_status iso_renderers_load(const char *given, iso_error *err)

@@ -57,13 +57,12 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
     o.exact_lookups = opt->exact_lookups;
     o.fast_filter = opt->repeats > 1 || opt->repeat_seconds > 0; /* timed frames use the filter of a viewer */
     o.stats = &inside;
-    iso_status status = iso_renderers_need_gl(q->renderers, &gl, err);
-    if (status == ISO_OK && opt->processor_time)
+    NEED(iso_renderers_need_gl(q->renderers, &gl, err));
+    if (opt->processor_time)
         iso_gl_time_processor(gl, true);
-    TRY(status, iso_gl_render(gl, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o, image, err));
-    if (status == ISO_OK)
-        iso_render_stats_of_gl(&inside, stats);
-    return status;
+    NEED(iso_gl_render(gl, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o, image, err));
+    iso_render_stats_of_gl(&inside, stats);
+    return ISO_OK;
 }
 
 /* A texture coordinate in float is off by up to 3e-8 of the volume. A steep value at a table whose neighboring entries

@@ -44,9 +44,7 @@ static iso_status check_header(const char *path, const char *file, const iso_vie
 {
     static const char *const names[] = {"R", "G", "B", "A"};
     iso_exr_header header;
-    const iso_status status = iso_image_read_exr_header(path, &header, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_image_read_exr_header(path, &header, err));
     if (header.width != view->width || header.height != view->height || header.is_cropped)
         return iso_fail(err, ISO_E_PROGRAM, "%s has %zu x %zu pixels%s, needs %zu x %zu", file, header.width,
                         header.height, header.is_cropped ? " of a cropped window" : "", view->width, view->height);

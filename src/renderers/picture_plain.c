@@ -100,22 +100,19 @@ iso_status iso_picture_load_npy(const char *path, const char *name, const iso_vi
                                 iso_error *err)
 {
     const size_t count = 4 * view->width * view->height;
-    iso_npy *n = calloc(1, sizeof *n);
+    FREED iso_npy *n = calloc(1, sizeof *n);
     layout l = {0};
-    char *bytes = NULL;
+    FREED char *bytes = NULL;
     size_t size = 0;
-    iso_status status = n ? iso_npy_read_header(path, n, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, check_header(n, name, view, &l, err));
-    TRY(status, read_file(path, name, n->samples_at + count * l.bytes, &bytes, &size, err));
-    if (status == ISO_OK && size < n->samples_at + count * l.bytes)
-        status = iso_fail(err, ISO_E_PROGRAM, "%s is damaged: %zu bytes of samples, needs %zu", name,
-                          size - n->samples_at, count * l.bytes);
-    TRY(status, iso_image_create(image, view->width, view->height, err));
-    if (status == ISO_OK)
-        take_array(bytes + n->samples_at, &l, image);
-    free(bytes);
-    free(n);
-    return status;
+    NEED(n ? iso_npy_read_header(path, n, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    NEED(check_header(n, name, view, &l, err));
+    NEED(read_file(path, name, n->samples_at + count * l.bytes, &bytes, &size, err));
+    if (size < n->samples_at + count * l.bytes)
+        return iso_fail(err, ISO_E_PROGRAM, "%s is damaged: %zu bytes of samples, needs %zu", name,
+                        size - n->samples_at, count * l.bytes);
+    NEED(iso_image_create(image, view->width, view->height, err));
+    take_array(bytes + n->samples_at, &l, image);
+    return ISO_OK;
 }
 
 /* ---- PFM ---- */
@@ -160,14 +157,12 @@ static iso_status take_pfm(const char *path, const char *name, size_t channels, 
 iso_status iso_picture_load_pfm(const char *path, const char *name, const iso_view *view, iso_image *image,
                                 iso_error *err)
 {
-    char *alpha = iso_picture_alpha(path), *alpha_name = iso_picture_alpha(name);
+    FREED char *alpha = iso_picture_alpha(path), *alpha_name = iso_picture_alpha(name);
     iso_status status = alpha && alpha_name ? iso_image_create(image, view->width, view->height, err)
                                             : iso_fail(err, ISO_E_MEMORY, "out of memory");
     TRY(status, take_pfm(path, name, 3, 0, image, err));
     TRY(status, take_pfm(alpha, alpha_name, 1, 3, image, err));
     if (status != ISO_OK)
         iso_image_destroy(image);
-    free(alpha);
-    free(alpha_name);
     return status;
 }

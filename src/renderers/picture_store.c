@@ -106,16 +106,15 @@ static iso_status visit_folder(const char *folder, visitor *visit, size_t *count
 static iso_status check_content(const char *folder, iso_error *err)
 {
     size_t count;
-    iso_status status = visit_folder(folder, check_entry, &count, err);
-    char *marker = iso_path_join(folder, MARKER);
-    if (status == ISO_OK && !marker)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
-    if (status == ISO_OK && count > 0 && !iso_path_is_file(marker))
-        status = iso_fail(err, ISO_E_IO,
-                          "%s: is not a store of pictures (no " MARKER "); move it away, or choose another output",
-                          folder);
-    free(marker);
-    return status;
+    NEED(visit_folder(folder, check_entry, &count, err));
+    FREED char *marker = iso_path_join(folder, MARKER);
+    if (!marker)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
+    if (count > 0 && !iso_path_is_file(marker))
+        return iso_fail(err, ISO_E_IO,
+                        "%s: is not a store of pictures (no " MARKER "); move it away, or choose another output",
+                        folder);
+    return ISO_OK;
 }
 
 /* Removes the store's pictures only. The marker stays, so that a run killed in between leaves a valid store. */
@@ -128,14 +127,13 @@ static void remove_pictures(const char *folder)
 /* Removes the store, the marker last, once no other entry is left. */
 static void remove_folder(const char *folder)
 {
-    char *marker = iso_path_join(folder, MARKER);
+    FREED char *marker = iso_path_join(folder, MARKER);
     size_t met = 2;
     for (int looks = 0; looks < 4 && met > 1; ++looks)
         if (visit_folder(folder, remove_picture, &met, NULL) != ISO_OK)
             break;
     if (marker && met <= 1 && unlink(marker) == 0)
         rmdir(folder);
-    free(marker);
 }
 
 /* Explains a failed lock; ISO_E_IO if another process has it. */
@@ -152,11 +150,9 @@ static iso_status fail_to_lock(const iso_folder_lock *lock, const char *folder, 
 /* Writes the marker before anything else: a run killed in between leaves a folder that the next may use. */
 static iso_status write_marker(const char *folder, iso_error *err)
 {
-    char *marker = iso_path_join(folder, MARKER);
-    const iso_status status = marker ? iso_file_write(marker, marker_text, sizeof marker_text - 1, err)
-                                     : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
-    free(marker);
-    return status;
+    FREED char *marker = iso_path_join(folder, MARKER);
+    return marker ? iso_file_write(marker, marker_text, sizeof marker_text - 1, err)
+                  : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
 }
 
 iso_status iso_picture_store_open(const char *folder, iso_picture_store **store, iso_error *err)
@@ -202,10 +198,9 @@ static int open_claims(const char *folder, const iso_ranks_place *place)
 
 static iso_status begin_claims(iso_picture_store *store, const iso_ranks_place *place, iso_error *err)
 {
-    char *path = iso_path_join(store->folder, CLAIMS);
+    FREED char *path = iso_path_join(store->folder, CLAIMS);
     iso_status status = path ? iso_file_write(path, place->job, strlen(place->job), err)
                              : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", store->folder);
-    free(path);
     store->claims = status == ISO_OK ? open_claims(store->folder, place) : -1;
     return status;
 }
@@ -416,7 +411,7 @@ static size_t value_bytes(size_t width, size_t height)
 
 static bool load(const char *path, const iso_view *view, iso_image *image)
 {
-    char *bytes = NULL;
+    FREED char *bytes = NULL;
     size_t size = 0;
     header about;
     const size_t wanted = value_bytes(view->width, view->height);
@@ -429,7 +424,6 @@ static bool load(const char *path, const iso_view *view, iso_image *image)
     }
     if (good)
         memcpy(image->rgba, bytes + sizeof about, wanted);
-    free(bytes);
     return good;
 }
 
@@ -480,11 +474,10 @@ void iso_picture_store_release(iso_picture_store *s, uint64_t claim)
 bool iso_picture_store_find(iso_picture_store *s, const iso_render_request *q, const iso_render_options *frame,
                             iso_image *image)
 {
-    char *path = s && is_kept(s, q, frame) ? path_of(s, q, frame) : NULL;
+    FREED char *path = s && is_kept(s, q, frame) ? path_of(s, q, frame) : NULL;
     const bool found = path && load(path, q->view, image);
     if (found)
         ++s->taken;
-    free(path);
     return found;
 }
 
@@ -494,14 +487,12 @@ void iso_picture_store_put(iso_picture_store *s, const iso_render_request *q, co
     if (!s || !is_kept(s, q, frame) || image->width != q->view->width || image->height != q->view->height)
         return;
     const size_t count = value_bytes(image->width, image->height);
-    char *path = path_of(s, q, frame);
-    char *bytes = malloc(sizeof(header) + count);
+    FREED char *path = path_of(s, q, frame);
+    FREED char *bytes = malloc(sizeof(header) + count);
     const header about = {image->width, image->height, XXH3_64bits(image->rgba, count)};
     if (path && bytes) {
         memcpy(bytes, &about, sizeof about);
         memcpy(bytes + sizeof about, image->rgba, count);
         iso_file_write(path, bytes, sizeof about + count, NULL);
     }
-    free(bytes);
-    free(path);
 }

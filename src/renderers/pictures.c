@@ -42,15 +42,12 @@ void iso_picture_file(double step_voxels, char name[ISO_PICTURE_NAME_BYTES])
 /* Loads a request without the frames, the number of threads and the scene's name. */
 static iso_status load_subject(const char *dir, json_t **root, iso_error *err)
 {
-    char *path = iso_path_join(dir, "request.json");
-    iso_status status = path ? iso_json_load(path, root, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK) {
-        json_object_del(*root, "frames");
-        json_object_del(*root, "threads");
-        json_object_del(*root, "scene");
-    }
-    free(path);
-    return status;
+    FREED char *path = iso_path_join(dir, "request.json");
+    NEED(path ? iso_json_load(path, root, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    json_object_del(*root, "frames");
+    json_object_del(*root, "threads");
+    json_object_del(*root, "scene");
+    return ISO_OK;
 }
 
 static const char *differing_key(const json_t *asked, const json_t *there)
@@ -87,7 +84,7 @@ static iso_status compare_requests(const char *name, const char *asked, const ch
                                    iso_error *err)
 {
     static const char *const files[] = {"volume.nrrd", "directions.nrrd"};
-    json_t *now = NULL, *then = NULL;
+    json_auto_t *now = NULL, *then = NULL;
     bool same = true;
     iso_status status = load_subject(asked, &now, err);
     TRY(status, load_subject(there, &then, err));
@@ -101,15 +98,13 @@ static iso_status compare_requests(const char *name, const char *asked, const ch
             status = iso_fail(err, ISO_E_PROGRAM, "%s: pictures in %s are for another request: its %s differs", name,
                               shown, files[i]);
     }
-    json_decref(now);
-    json_decref(then);
     return status;
 }
 
 /* Checks the request next to the pictures, if there is one. */
 static iso_status check_request(const pictures *p, const iso_render_request *q, const char *there, iso_error *err)
 {
-    char *json = iso_path_join(there, "request.json"), *dir = NULL;
+    FREED char *json = iso_path_join(there, "request.json"), *dir = NULL;
     const iso_request_frame frame = {.file = "picture.exr"};
     const iso_request request = {.pyramid = q->pyramid,
                                  .level = q->level,
@@ -125,8 +120,6 @@ static iso_status check_request(const pictures *p, const iso_render_request *q, 
     }
     if (dir)
         iso_remove_tree(dir);
-    free(dir);
-    free(json);
     return status;
 }
 
@@ -149,7 +142,8 @@ static iso_status check_once(pictures *p, const iso_render_request *q, const cha
 /* Finds the picture in the folder of its scene and level, or next to that folder. */
 static iso_status find_picture(const pictures *p, const char *there, double step_voxels, char **path, iso_error *err)
 {
-    char file[ISO_PICTURE_NAME_BYTES], *inside = NULL, *beside = NULL, *found = NULL;
+    char file[ISO_PICTURE_NAME_BYTES];
+    FREED char *inside = NULL, *beside = NULL, *found = NULL;
     iso_picture_file(step_voxels, file);
     const bool named = asprintf(&inside, "%s/%s", there, file) >= 0 &&
                        asprintf(&beside, "%s%s%s", there, step_voxels > 0 ? "-" : "",
@@ -163,9 +157,6 @@ static iso_status find_picture(const pictures *p, const char *there, double step
         *path = found;
         found = NULL;
     }
-    free(found);
-    free(inside);
-    free(beside);
     return status;
 }
 
@@ -173,14 +164,15 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
 {
     const iso_renderer_info *self = q->options->renderer;
     pictures *p = (pictures *)self->data;
-    char folder[ISO_PICTURE_NAME_BYTES], *there = NULL;
+    char folder[ISO_PICTURE_NAME_BYTES];
+    FREED char *there = NULL;
     iso_error why = {""};
     (void)stats;
     if (!q->renderers->scene)
         return iso_fail(err, ISO_E_USAGE, "%s: has only pictures of scenes; render a scene by name", self->name);
     iso_picture_folder(q->renderers->scene, q->level, folder);
     there = iso_path_join(p->dir, folder);
-    char *path = NULL;
+    FREED char *path = NULL;
     iso_status status = there ? find_picture(p, there, q->options->step_voxels, &path, err)
                               : iso_fail(err, ISO_E_MEMORY, "out of memory");
     TRY(status, check_once(p, q, there, err));
@@ -188,8 +180,6 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
         status = iso_fail(err, ISO_E_MISSING, "%s: there is no picture %s", self->name, path + p->hidden);
     else if (status == ISO_OK && (status = iso_picture_load(path, path + p->hidden, q->view, image, &why)) != ISO_OK)
         status = iso_fail(err, status, "%s: %s", self->name, why.text);
-    free(there);
-    free(path);
     return status;
 }
 
@@ -209,7 +199,7 @@ static iso_status make_row(const char *name, const char *index, json_t **row, si
     static const char *const keys[] = {"schema", "command", "tier",  "title",    "bits",
                                        "half",   "limits",  "why",   "steps",    "pictures", NULL},
                              *const kept[] = {"tier", "title", "bits", "half", "limits", "why"};
-    json_t *root = NULL;
+    json_auto_t *root = NULL;
     const char *schema = "";
     *row = json_pack("{s:s, s:[s], s:s, s:[s,s,s,s]}", "name", name, "command", "pictures", "tier", "samples", "can",
                      "lights", "orthographic", "clip planes", "labels");
@@ -229,7 +219,6 @@ static iso_status make_row(const char *name, const char *index, json_t **row, si
             if (json_object_get(root, kept[i]))
                 json_object_set(*row, kept[i], json_object_get(root, kept[i]));
     }
-    json_decref(root);
     return r.status;
 }
 
@@ -238,27 +227,22 @@ iso_status iso_pictures_register(const char *name_and_dir, const iso_renderer_in
     const char *equals = strchr(name_and_dir, '=');
     if (!equals || equals == name_and_dir || !equals[1])
         return iso_fail(err, ISO_E_USAGE, "--images is \"%s\", must be NAME=DIR", name_and_dir);
-    pictures *p = calloc(1, sizeof *p);
-    char *name = strndup(name_and_dir, (size_t)(equals - name_and_dir)),
-         *index = iso_path_join(equals + 1, ISO_PICTURES_INDEX);
-    json_t *row = NULL;
+    FREED pictures *p = calloc(1, sizeof *p);
+    FREED char *name = strndup(name_and_dir, (size_t)(equals - name_and_dir)),
+               *index = iso_path_join(equals + 1, ISO_PICTURES_INDEX);
+    json_auto_t *row = NULL;
     size_t steps;
-    iso_status status = p && name && index ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK && !iso_path_is_dir(equals + 1))
-        status = iso_fail(err, ISO_E_IO, "--images %s: there is no folder %s", name_and_dir, equals + 1);
-    TRY(status, make_row(name, index, &row, &steps, err));
-    if (status == ISO_OK) {
-        *p = (pictures){.dir = strdup(equals + 1),
-                        .hidden = strlen(equals + 1) - strlen(iso_provenance_name(equals + 1)),
-                        .checked = json_object()};
-        pthread_mutex_init(&p->lock, NULL);
-        const iso_external_stand_in instead = {.data = p, .version = version, .render = render, .steps = steps};
-        status = iso_external_register(row, index, equals + 1, &instead, r, err);
-        p = NULL; /* the registered row owns it from now on */
-    }
-    json_decref(row);
-    free(p);
-    free(name);
-    free(index);
-    return status;
+    if (!p || !name || !index)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (!iso_path_is_dir(equals + 1))
+        return iso_fail(err, ISO_E_IO, "--images %s: there is no folder %s", name_and_dir, equals + 1);
+    NEED(make_row(name, index, &row, &steps, err));
+    *p = (pictures){.dir = strdup(equals + 1),
+                    .hidden = strlen(equals + 1) - strlen(iso_provenance_name(equals + 1)),
+                    .checked = json_object()};
+    pthread_mutex_init(&p->lock, NULL);
+    const iso_external_stand_in instead = {.data = p, .version = version, .render = render, .steps = steps};
+    NEED(iso_external_register(row, index, equals + 1, &instead, r, err));
+    p = NULL; /* the registered row owns it from now on */
+    return ISO_OK;
 }

@@ -12,10 +12,9 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
     (void)self;
     (void)r;
     char found[128] = "";
-    const iso_status status = iso_povray_version(found, sizeof found, err);
-    if (status == ISO_OK)
-        snprintf(text, size, "POV-Ray %s", found);
-    return status;
+    NEED(iso_povray_version(found, sizeof found, err));
+    snprintf(text, size, "POV-Ray %s", found);
+    return ISO_OK;
 }
 
 static iso_povray_options take_options(const iso_render_request *q)
@@ -77,15 +76,14 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
 {
     iso_render_request rest = *q;
     iso_render_stats unused;
-    iso_status status = ISO_OK;
-    for (size_t done = 0, n; done < count && status == ISO_OK; done += n) {
+    for (size_t done = 0, n; done < count; done += n) {
         rest.options = q->options + done;
         n = 1;
         while (n < ISO_RENDER_MAX_FRAMES && done + n < count && shares_export(rest.options, rest.options + n))
             ++n;
-        status = n > 1 ? render_together(&rest, n, images + done, err) : render(&rest, images + done, &unused, err);
+        NEED(n > 1 ? render_together(&rest, n, images + done, err) : render(&rest, images + done, &unused, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status render_scenes(const iso_render_request *scenes, size_t count, iso_image *images, iso_error *err)

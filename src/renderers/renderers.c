@@ -285,8 +285,8 @@ static iso_status render_several(const iso_render_request *q, size_t count, iso_
 static iso_status render_stored(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
 {
     struct iso_picture_store *store = q->renderers->store;
-    iso_render_options *frames = malloc(count * sizeof *frames);
-    iso_image *drawn = calloc(count, sizeof *drawn);
+    FREED iso_render_options *frames = malloc(count * sizeof *frames);
+    FREED iso_image *drawn = calloc(count, sizeof *drawn);
     iso_render_request rest = *q;
     size_t lacking = 0;
     iso_status status = frames && drawn ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", count);
@@ -305,8 +305,6 @@ static iso_status render_stored(const iso_render_request *q, size_t count, iso_i
     iso_picture_store_release(store, claim);
     for (size_t i = 0; i < count && status != ISO_OK; ++i)
         iso_image_destroy(&images[i]);
-    free(drawn);
-    free(frames);
     return status;
 }
 

@@ -75,7 +75,7 @@ static bool put_directions(FILE *f, const iso_geometry *g, const float *directio
 static iso_status write_directions(const iso_level *level, iso_code code, const char *path, iso_error *err)
 {
     const size_t count = iso_geometry_voxel_count(&level->geometry);
-    float *directions = malloc(3 * count * sizeof *directions);
+    FREED float *directions = malloc(3 * count * sizeof *directions);
     if (!directions)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu directions", count);
     iso_code_decode_all(code, level->codes, directions, count);
@@ -83,7 +83,6 @@ static iso_status write_directions(const iso_level *level, iso_code code, const 
     bool good = f && put_directions(f, &level->geometry, directions);
     if (f && fclose(f) != 0)
         good = false;
-    free(directions);
     return good ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
 }
 
@@ -201,11 +200,8 @@ static json_t *request_json(const iso_request *q, bool lit)
 /* Writes all digits of a double: rounded camera numbers would move the samples. */
 static iso_status write_json(const char *path, json_t *root, iso_error *err)
 {
-    char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
-    const iso_status status = text ? iso_file_write(path, text, strlen(text), err)
-                                   : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
-    free(text);
-    return status;
+    FREED char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
+    return text ? iso_file_write(path, text, strlen(text), err) : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
 }
 
 static iso_status check(const iso_request *q, iso_error *err)
@@ -221,19 +217,12 @@ iso_status iso_request_write(const iso_request *q, const char *dir, iso_error *e
 {
     const iso_level *level = &q->pyramid->levels[q->level];
     const bool lit = level->codes && iso_view_is_lit(q->view);
-    char *volume = iso_path_join(dir, "volume.nrrd"), *directions = iso_path_join(dir, "directions.nrrd"),
-         *json = iso_path_join(dir, "request.json");
-    iso_status status = volume && directions && json ? check(q, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, write_volume(level, volume, err));
-    if (status == ISO_OK && lit)
-        status = write_directions(level, q->pyramid->options.code, directions, err);
-    if (status == ISO_OK) {
-        json_t *root = request_json(q, lit);
-        status = write_json(json, root, err);
-        json_decref(root);
-    }
-    free(volume);
-    free(directions);
-    free(json);
-    return status;
+    FREED char *volume = iso_path_join(dir, "volume.nrrd"), *directions = iso_path_join(dir, "directions.nrrd"),
+               *json = iso_path_join(dir, "request.json");
+    NEED(volume && directions && json ? check(q, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    NEED(write_volume(level, volume, err));
+    if (lit)
+        NEED(write_directions(level, q->pyramid->options.code, directions, err));
+    json_auto_t *root = request_json(q, lit);
+    return write_json(json, root, err);
 }

@@ -67,7 +67,8 @@ static void add_sorted(json_t *to, const json_t *names)
 static iso_status group_report(const grouping *g, size_t number, json_t *own, iso_error *err)
 {
     const iso_report_source *of = &g->reports[number];
-    json_t *row, *scenes = json_object();
+    json_t *row;
+    json_auto_t *scenes = json_object();
     const char *name;
     size_t i;
     iso_status status = ISO_OK;
@@ -80,7 +81,7 @@ static iso_status group_report(const grouping *g, size_t number, json_t *own, is
             break;
         if (!renderer[0])
             continue;
-        char *scene = scene_key(of->root, row), *key = scene ? key_of(renderer, scene) : NULL;
+        FREED char *scene = scene_key(of->root, row), *key = scene ? key_of(renderer, scene) : NULL;
         json_t *group = key ? json_object_get(own, key) : NULL;
         if (key && !group) {
             group = json_pack("{s:[], s:I, s:[]}", "rows", "report", (json_int_t)number, "superseded");
@@ -89,11 +90,8 @@ static iso_status group_report(const grouping *g, size_t number, json_t *own, is
             json_object_set_new(scenes, scene, json_true());
         }
         json_array_append(json_object_get(group, "rows"), row);
-        free(scene);
-        free(key);
     }
     add_sorted(g->scenes, scenes);
-    json_decref(scenes);
     return status;
 }
 
@@ -169,10 +167,9 @@ static json_t *levels_of(const json_t *rows)
         }
         if (next < 0)
             return list;
-        json_t *at = rows_of_level(rows, next);
+        json_auto_t *at = rows_of_level(rows, next);
         json_array_append_new(list,
                               json_pack("{s:I, s:s}", "level", next, "verdict", iso_verdict_word(verdict_of(at))));
-        json_decref(at);
     }
 }
 
@@ -424,25 +421,24 @@ static json_t *site_sentence(const json_t *renderers)
 /* Makes the certificates scene by scene, and the sum of each renderer. */
 static json_t *make_site(const grouping *g)
 {
-    json_t *certificates = json_array(), *renderers = json_array(), *by_renderer = json_object(), *used, *list;
+    json_t *certificates = json_array(), *renderers = json_array(), *used, *list;
+    json_auto_t *by_renderer = json_object();
     const char *scene, *renderer;
     json_object_foreach (g->renderers, renderer, used)
         json_object_set_new(by_renderer, renderer, json_array());
     json_object_foreach (g->scenes, scene, used)
         json_object_foreach (by_renderer, renderer, list) {
-            char *key = key_of(renderer, scene);
+            FREED char *key = key_of(renderer, scene);
             const json_t *group = key ? json_object_get(g->groups, key) : NULL;
             if (group) {
                 json_t *c = make_certificate(source_of(g->reports, group), group, json_array_size(certificates));
                 json_array_append(list, c);
                 json_array_append_new(certificates, c);
             }
-            free(key);
         }
     json_object_foreach (by_renderer, renderer, list)
         if (json_array_size(list) > 0)
             json_array_append_new(renderers, sum_up_renderer(renderer, list));
-    json_decref(by_renderer);
     const bool bad = count_rows(renderers, ISO_VERDICT_DIFFER) + count_rows(renderers, ISO_VERDICT_REFUSED) > 0;
     return json_pack("{s:s, s:s, s:o, s:o, s:o}", "schema", "isoshade.certificates/1", "verdict",
                      iso_verdict_word(bad ? ISO_VERDICT_DIFFER : ISO_VERDICT_AGREE), "sentence",

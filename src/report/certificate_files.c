@@ -28,21 +28,18 @@ static const iso_report_source *find_picture(const iso_report_source *reports, c
 static iso_status inline_picture(const iso_report_source *of, const char *name, const char *key, iso_image *image,
                                  json_t *inlined, iso_error *err)
 {
-    char *exr = iso_report_source_picture(of, name, "exr"), *png = iso_report_source_picture(of, name, "png"),
-         *uri = NULL;
-    iso_status status = exr && png ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
-    if (status == ISO_OK && !iso_report_is_picture_name(name))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: invalid name of a picture; the report is damaged", of->path);
-    TRY(status, iso_image_load_exr(exr, image, err));
-    if (status == ISO_OK && !json_object_get(inlined, key)) {
-        status = iso_page_file_uri(png, "image/png", &uri, err);
-        if (status == ISO_OK)
-            json_object_set_new(inlined, key, json_string(uri));
+    FREED char *exr = iso_report_source_picture(of, name, "exr"), *png = iso_report_source_picture(of, name, "png"),
+               *uri = NULL;
+    if (!exr || !png)
+        return iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
+    if (!iso_report_is_picture_name(name))
+        return iso_fail(err, ISO_E_FORMAT, "%s: invalid name of a picture; the report is damaged", of->path);
+    NEED(iso_image_load_exr(exr, image, err));
+    if (!json_object_get(inlined, key)) {
+        NEED(iso_page_file_uri(png, "image/png", &uri, err));
+        json_object_set_new(inlined, key, json_string(uri));
     }
-    free(exr);
-    free(png);
-    free(uri);
-    return status;
+    return ISO_OK;
 }
 
 /* Adds both pictures of a certificate and their difference, and those of its mistake. Without its folder of pictures a
@@ -116,27 +113,22 @@ static void put_badge(FILE *f, const json_t *renderer)
 /* Writes a badge, and adds it to the page. */
 static iso_status write_badge(const char *dir, const json_t *renderer, json_t *inlined, iso_error *err)
 {
-    char *svg = NULL, *uri = NULL, *path = iso_path_join(dir, iso_row_text(renderer, "badge"));
+    FREED char *svg = NULL, *uri = NULL, *path = iso_path_join(dir, iso_row_text(renderer, "badge"));
     size_t size = 0;
     FILE *f = open_memstream(&svg, &size);
     if (f)
         put_badge(f, renderer);
-    iso_status status = path && f && iso_memory_close(f) == 0
-                            ? ISO_OK
-                            : iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
-    TRY(status, iso_file_write(path, svg, size, err));
-    TRY(status, iso_page_file_uri(path, "image/svg+xml", &uri, err));
-    if (status == ISO_OK)
-        json_object_set_new(json_object_get(inlined, "images"), iso_row_text(renderer, "badge"), json_string(uri));
-    free(uri);
-    free(svg);
-    free(path);
-    return status;
+    if (!path || !f || iso_memory_close(f) != 0)
+        return iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
+    NEED(iso_file_write(path, svg, size, err));
+    NEED(iso_page_file_uri(path, "image/svg+xml", &uri, err));
+    json_object_set_new(json_object_get(inlined, "images"), iso_row_text(renderer, "badge"), json_string(uri));
+    return ISO_OK;
 }
 
 static iso_status write_badges(const char *dir, const json_t *renderers, json_t *inlined, iso_error *err)
 {
-    char *folder = iso_path_join(dir, "badges");
+    FREED char *folder = iso_path_join(dir, "badges");
     iso_status status = folder ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
     json_t *one;
     size_t i;
@@ -144,7 +136,6 @@ static iso_status write_badges(const char *dir, const json_t *renderers, json_t 
         status = iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", folder, strerror(errno));
     json_array_foreach (renderers, i, one)
         TRY(status, write_badge(dir, one, inlined, err));
-    free(folder);
     return status;
 }
 
@@ -152,14 +143,12 @@ static iso_status write_badges(const char *dir, const json_t *renderers, json_t 
 
 static iso_status write_site(const char *dir, const json_t *site, json_t *inlined, iso_error *err)
 {
-    char *data = iso_path_join(dir, "certificates.json"), *page = iso_path_join(dir, "index.html");
-    iso_status status = data && page ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
-    TRY(status, write_badges(dir, json_object_get(site, "renderers"), inlined, err));
-    TRY(status, iso_json_save(data, site, err));
-    TRY(status, iso_page_write(page, &iso_page_of_certificates, site, inlined, err));
-    free(data);
-    free(page);
-    return status;
+    FREED char *data = iso_path_join(dir, "certificates.json"), *page = iso_path_join(dir, "index.html");
+    if (!data || !page)
+        return iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
+    NEED(write_badges(dir, json_object_get(site, "renderers"), inlined, err));
+    NEED(iso_json_save(data, site, err));
+    return iso_page_write(page, &iso_page_of_certificates, site, inlined, err);
 }
 
 iso_status iso_certificates_write(const char *dir, const json_t *site, const iso_report_source *reports, iso_error *err)

@@ -347,7 +347,8 @@ static bool keep_row(json_t *rows, const struct kind *kind, const char *name, co
 /* Compares the rows of one list; returns the number of names in either report. */
 static size_t compare_kind(json_t *rows, const struct kind *kind, const json_t *a, const json_t *b, double factor)
 {
-    json_t *in_a = rows_by_name(a, kind), *in_b = rows_by_name(b, kind), *row;
+    json_t *row;
+    json_auto_t *in_a = rows_by_name(a, kind), *in_b = rows_by_name(b, kind);
     const char *name;
     size_t count = 0;
     json_object_foreach (in_a, name, row) {
@@ -365,8 +366,6 @@ static size_t compare_kind(json_t *rows, const struct kind *kind, const json_t *
             keep_row(rows, kind, name, &p);
             ++count;
         }
-    json_decref(in_a);
-    json_decref(in_b);
     return count;
 }
 

@@ -61,7 +61,7 @@ static iso_status inline_pair(const picture_pair *p, const iso_report_source *co
     iso_status status = ISO_OK;
     char *uri = NULL, key[32];
     for (int i = 0; i < 2 && status == ISO_OK; ++i) {
-        char *png = iso_report_source_picture(of[i], p->name, "png"), *place = NULL;
+        FREED char *png = iso_report_source_picture(of[i], p->name, "png"), *place = NULL;
         status = png && asprintf(&place, "%c/%s", "ab"[i], p -> name) >= 0
                      ? iso_page_file_uri(png, "image/png", &uri, err)
                      : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
@@ -69,8 +69,6 @@ static iso_status inline_pair(const picture_pair *p, const iso_report_source *co
             json_object_set_new(json_object_get(inlined, "images"), place, json_string(uri));
         free(uri);
         uri = NULL;
-        free(png);
-        free(place);
     }
     TRY(status, iso_page_difference_uri(&p->images[0], &p->images[1], ISO_PAGE_FINE, &uri, err));
     snprintf(key, sizeof key, "%zu", number);
@@ -87,14 +85,13 @@ static iso_status load(picture_pair *p, const iso_report_source *const of[2], ch
     iso_status status = ISO_OK;
     int wrote = 0;
     for (int i = 0; i < 2 && !*problem && status == ISO_OK; ++i) {
-        char *exr = iso_report_source_picture(of[i], p->name, "exr");
+        FREED char *exr = iso_report_source_picture(of[i], p->name, "exr");
         if (!exr)
             status = iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
         else if (!iso_path_exists(exr))
             wrote = asprintf(problem, "%s: no such file", exr);
         else
             status = iso_image_load_exr(exr, &p->images[i], err);
-        free(exr);
     }
     if (status == ISO_OK && !*problem && wrote == 0 &&
         (p->images[0].width != p->images[1].width || p->images[0].height != p->images[1].height))
@@ -111,7 +108,7 @@ static iso_status load(picture_pair *p, const iso_report_source *const of[2], ch
 static iso_status compare_pair(picture_pair *p, const iso_report_source *const of[2], json_t *list, json_t *inlined,
                                iso_error *err)
 {
-    char *problem = NULL;
+    FREED char *problem = NULL;
     iso_metrics m;
     iso_status status = load(p, of, &problem, err);
     if (status == ISO_OK && problem) {
@@ -126,7 +123,6 @@ static iso_status compare_pair(picture_pair *p, const iso_report_source *const o
             status = inline_pair(p, of, number, inlined, err);
         json_array_append_new(list, picture);
     }
-    free(problem);
     iso_image_destroy(&p->images[0]);
     iso_image_destroy(&p->images[1]);
     return status;
@@ -272,13 +268,12 @@ iso_status iso_difference_write(const char *dir, const json_t *difference, const
 {
     iso_output out = {0};
     NEED(iso_output_begin_dir(&out, dir, "difference.json", err));
-    char *data = iso_path_join(out.temp_path, "difference.json"), *page = iso_path_join(out.temp_path, "index.html");
+    FREED char *data = iso_path_join(out.temp_path, "difference.json"),
+               *page = iso_path_join(out.temp_path, "index.html");
     iso_status status = data && page ? iso_json_save(data, difference, err)
                                      : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
     TRY(status, iso_page_write(page, &iso_page_of_difference, difference, inlined, err));
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
-    free(data);
-    free(page);
     return status;
 }

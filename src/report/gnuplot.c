@@ -17,12 +17,10 @@ ISO_EMBED(iso_gnuplot_style_gp, "src/report/style.gp");
 static iso_status write_beside(const char *dir, const char *name, const char *ending, const char *content,
                                iso_error *err)
 {
-    char *path = NULL;
+    FREED char *path = NULL;
     if (asprintf(&path, "%s/%s%s", dir, name, ending) < 0)
         return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    iso_status status = iso_file_write(path, content, strlen(content), err);
-    free(path);
-    return status;
+    return iso_file_write(path, content, strlen(content), err);
 }
 
 /* First and last bytes of a picture file. */
@@ -53,14 +51,12 @@ static iso_status check_content(const char *picture, const char *format, const c
 
 static iso_status check_picture(const char *picture, const char *format, iso_error *err)
 {
-    char *data = NULL;
+    FREED char *data = NULL;
     size_t size = 0;
     if (!iso_path_is_file(picture))
         return iso_fail(err, ISO_E_PROGRAM, "%s: gnuplot wrote no picture", picture);
-    iso_status status = iso_file_read(picture, &data, &size, err);
-    TRY(status, check_content(picture, format, data, size, err));
-    free(data);
-    return status;
+    NEED(iso_file_read(picture, &data, &size, err));
+    return check_content(picture, format, data, size, err);
 }
 
 /* A terminal that gnuplot opens before it reads the script. One with windows fails in the sandbox. */
@@ -68,10 +64,8 @@ static const char foreign_setting[] = "GNUTERM";
 
 static iso_status run_gnuplot(const char *dir, const char *name, const char *format, iso_error *err)
 {
-    char *gnuplot = NULL, *script = NULL, *setting = NULL, *picture = NULL;
-    iso_status status = iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, err);
-    if (status != ISO_OK)
-        return status;
+    FREED char *gnuplot = NULL, *script = NULL, *setting = NULL, *picture = NULL;
+    NEED(iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, err));
     if (asprintf(&script, "%s.gp", name) < 0)
         script = NULL;
     /* Draws a PNG without its pictures (figure/page.h); charts have none. */
@@ -83,43 +77,32 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
         const char *argv[] = {gnuplot, "-d", "-e", setting, script, NULL};
         const iso_process_options process = {
             .directory = dir, .sandbox = {.without = foreign_setting}, .timeout_seconds = 600};
-        status = iso_process_run(argv, &process, err);
-        TRY(status, check_picture(picture, format, err));
+        NEED(iso_process_run(argv, &process, err));
+        NEED(check_picture(picture, format, err));
     } else {
-        status = iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+        return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
     }
-    free(gnuplot);
-    free(script);
-    free(setting);
-    free(picture);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_gnuplot_use_style(const char *from, const char *dir, iso_error *err)
 {
-    char *content = NULL, *path = iso_path_join(dir, "style.gp");
+    FREED char *content = NULL, *path = iso_path_join(dir, "style.gp");
     size_t size = 0;
-    iso_status status = path ? iso_file_read(from, &content, &size, err)
-                             : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    TRY(status, iso_file_write(path, content, size, err));
-    free(content);
-    free(path);
-    return status;
+    NEED(path ? iso_file_read(from, &content, &size, err) : iso_fail(err, ISO_E_MEMORY, "chart: out of memory"));
+    return iso_file_write(path, content, size, err);
 }
 
 iso_status iso_gnuplot_draw_script(const char *dir, const char *name, const char *script, const char *format,
                                    iso_error *err)
 {
-    char *style = iso_path_join(dir, "style.gp");
+    FREED char *style = iso_path_join(dir, "style.gp");
     if (!style)
         return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    iso_status status = ISO_OK;
     if (!iso_path_exists(style))
-        status = write_beside(dir, "style", ".gp", iso_gnuplot_style_gp, err);
-    free(style);
-    TRY(status, write_beside(dir, name, ".gp", script, err));
-    TRY(status, run_gnuplot(dir, name, format, err));
-    return status;
+        NEED(write_beside(dir, "style", ".gp", iso_gnuplot_style_gp, err));
+    NEED(write_beside(dir, name, ".gp", script, err));
+    return run_gnuplot(dir, name, format, err);
 }
 
 iso_status iso_gnuplot_draw(const char *dir, const char *name, const char *csv, const char *script, const char *format,
@@ -178,17 +161,15 @@ static iso_status write_script(const char *path, const char *format, const char 
     fputs("set encoding utf8\nset output ", gp);
     iso_gnuplot_put_quoted(gp, picture);
     fputc('\n', gp);
-    iso_status status = write(gp, user, err);
+    NEED(write(gp, user, err));
     const bool failed = ferror(gp) != 0; /* an incomplete script would draw another picture */
-    if ((fclose(gp) != 0 || failed) && status == ISO_OK)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
-    return status;
+    return fclose(gp) != 0 || failed ? iso_fail(err, ISO_E_IO, "%s: cannot be written", path) : ISO_OK;
 }
 
 iso_status iso_gnuplot_picture(const char *output, double width, double height, iso_gnuplot_writer write, void *user,
                                iso_error *err)
 {
-    char *gnuplot = NULL, *dir = NULL, *script = NULL;
+    FREED char *gnuplot = NULL, *dir = NULL, *script = NULL;
     iso_output out = {0};
     const char *format = iso_gnuplot_ending(output);
     if (!format)
@@ -210,8 +191,5 @@ iso_status iso_gnuplot_picture(const char *output, double width, double height, 
     iso_output_abandon(&out);
     if (dir)
         iso_remove_tree(dir);
-    free(dir);
-    free(script);
-    free(gnuplot);
     return status;
 }

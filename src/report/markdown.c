@@ -181,17 +181,17 @@ static void put_failures(FILE *f, const json_t *root)
 /* Writes each reason once, with its renderer and the number of refused rows. */
 static void put_refusals(FILE *f, const json_t *agreement)
 {
-    json_t *reasons = json_object(), *row, *rows;
+    json_t *row, *rows;
+    json_auto_t *reasons = json_object();
     const char *key;
     size_t i;
     json_array_foreach ((json_t *)agreement, i, row)
         if (iso_row_verdict(row) == ISO_VERDICT_REFUSED) {
             const iso_row_identity id = iso_row_identify(row);
-            char *name = NULL;
+            FREED char *name = NULL;
             if (asprintf(&name, "%s: %s", id.renderer, iso_row_text(row, "why")) < 0)
                 continue;
             json_object_set_new(reasons, name, json_integer(1 + json_integer_value(json_object_get(reasons, name))));
-            free(name);
         }
     if (json_object_size(reasons) > 0)
         fputs("\n**Refused**\n\n", f);
@@ -201,7 +201,6 @@ static void put_refusals(FILE *f, const json_t *agreement)
         fprintf(f, " (%lld row%s)\n", (long long)json_integer_value(rows),
                 iso_words_plural((size_t)json_integer_value(rows)));
     }
-    json_decref(reasons);
 }
 
 /* Writes the renderers that are not installed, and that nobody named. */
@@ -284,9 +283,8 @@ static void put_value(FILE *f, const json_t *value)
     } else if (json_is_string(value)) {
         iso_markdown_put_text(f, json_string_value(value));
     } else {
-        char *text = value && !json_is_null(value) ? json_dumps(value, JSON_ENCODE_ANY | JSON_COMPACT) : NULL;
+        FREED char *text = value && !json_is_null(value) ? json_dumps(value, JSON_ENCODE_ANY | JSON_COMPACT) : NULL;
         iso_markdown_put_text(f, text ? text : "-");
-        free(text);
     }
     fputs(" | ", f);
 }
@@ -348,7 +346,7 @@ static void put_difference(FILE *f, const json_t *difference)
 static iso_status save(const char *path, void (*put)(FILE *f, const json_t *root), const json_t *root, const char *link,
                        iso_error *err)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
     if (!f)
@@ -356,10 +354,7 @@ static iso_status save(const char *path, void (*put)(FILE *f, const json_t *root
     put(f, root);
     fputs("\n", f);
     put_link(f, link);
-    iso_status status = fclose(f) == 0 ? iso_file_write(path, text, size, err)
-                                       : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
-    free(text);
-    return status;
+    return fclose(f) == 0 ? iso_file_write(path, text, size, err) : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
 }
 
 iso_status iso_markdown_of_report(const char *path, const json_t *root, const char *link, iso_error *err)

@@ -65,11 +65,10 @@ static char *data_uri(const char *type, const unsigned char *bytes, size_t size)
 
 iso_status iso_page_file_uri(const char *path, const char *type, char **uri, iso_error *err)
 {
-    char *bytes;
+    FREED char *bytes = NULL;
     size_t size;
     NEED(iso_file_read(path, &bytes, &size, err));
     *uri = data_uri(type, (unsigned char *)bytes, size);
-    free(bytes);
     return *uri ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
 }
 
@@ -91,7 +90,7 @@ iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, iso_p
                                    iso_error *err)
 {
     size_t count = a->width * a->height;
-    unsigned char *rgb = calloc(count, 3), *png = NULL;
+    FREED unsigned char *rgb = calloc(count, 3), *png = NULL;
     png_image info = {.version = PNG_IMAGE_VERSION, .format = PNG_FORMAT_RGB};
     info.width = (png_uint_32)a->width;
     info.height = (png_uint_32)a->height;
@@ -108,8 +107,6 @@ iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, iso_p
     if (png && png_image_write_to_memory(&info, png, &size, 0, rgb, 0, NULL))
         *uri = data_uri("image/png", png, size);
     png_image_free(&info);
-    free(rgb);
-    free(png);
     return *uri ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: no memory for a picture of %zu pixels", count);
 }
 
@@ -157,7 +154,7 @@ static void put_marked(FILE *f, const iso_page *page, const json_t *data, const 
 iso_status iso_page_write(const char *path, const iso_page *page, const json_t *data, const json_t *inlined,
                           iso_error *err)
 {
-    char *html = NULL;
+    FREED char *html = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&html, &size);
     iso_status status = f ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
@@ -167,6 +164,5 @@ iso_status iso_page_write(const char *path, const iso_page *page, const json_t *
             status = iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
     }
     TRY(status, iso_file_write(path, html, size, err));
-    free(html);
     return status;
 }

@@ -32,9 +32,8 @@ struct iso_report {
 /* Makes a string; reasons may quote another program's output. */
 static json_t *text(const char *value)
 {
-    char *copy = value ? strdup(value) : NULL;
+    FREED char *copy = value ? strdup(value) : NULL;
     json_t *json = copy ? json_string(iso_provenance_shorten(copy)) : json_null();
-    free(copy);
     return json;
 }
 
@@ -290,14 +289,13 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
     json_object_set_new(o, "command", text(row->command));
     json_object_set_new(o, "image_a", text(row->image_a));
     json_object_set_new(o, "image_b", text(row->image_b));
-    char *difference = NULL;
+    FREED char *difference = NULL;
     if (row->image_a && row->image_b)
         status = iso_report_files_difference(r->out.temp_path, row->image_a, row->image_b, &difference, err);
     if (status == ISO_OK)
         status = insert_row(r, row->order, o, text(difference), err);
     else
         json_decref(o);
-    free(difference);
     return status;
 }
 
@@ -349,20 +347,17 @@ iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibratio
 iso_status iso_report_add_mistake(iso_report *r, const iso_report_mistake *m, iso_error *err)
 {
     static const char *const parts[3] = {"wanted", "got", "explained"};
-    char names[3][128], caption[128], *difference = NULL;
-    iso_status status = ISO_OK;
-    for (int i = 0; i < 3 && status == ISO_OK; ++i) {
+    char names[3][128], caption[128];
+    FREED char *difference = NULL;
+    for (int i = 0; i < 3; ++i) {
         snprintf(names[i], sizeof names[i], "mistake-%.99s-%s", m->renderer, parts[i]);
         snprintf(caption, sizeof caption, "calibration: %.99s", m->check);
-        status = iso_report_add_image(r, names[i], m->pictures[i], caption, NULL, err);
+        NEED(iso_report_add_image(r, names[i], m->pictures[i], caption, NULL, err));
     }
-    TRY(status, iso_report_files_difference(r->out.temp_path, names[0], names[1], &difference, err));
-    if (status == ISO_OK) {
-        iso_report_put(r, "mistakes", m->renderer, json_string(m->text));
-        json_object_set_new(json_object_get(r->inlined, "mistakes"), m->renderer, json_string(difference));
-    }
-    free(difference);
-    return status;
+    NEED(iso_report_files_difference(r->out.temp_path, names[0], names[1], &difference, err));
+    iso_report_put(r, "mistakes", m->renderer, json_string(m->text));
+    json_object_set_new(json_object_get(r->inlined, "mistakes"), m->renderer, json_string(difference));
+    return ISO_OK;
 }
 
 static double sort_key(const json_t *row)

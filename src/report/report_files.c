@@ -20,9 +20,8 @@ iso_status iso_report_files_begin(const char *dir, iso_error *err)
 {
     const char *const names[] = {"images", "charts"};
     for (int i = 0; i < 2; ++i) {
-        char *path = iso_path_join(dir, names[i]);
+        FREED char *path = iso_path_join(dir, names[i]);
         bool good = path && mkdir(path, 0777) == 0;
-        free(path);
         if (!good)
             return iso_fail(err, iso_errno_status(), "%s/%s: cannot be created: %s", dir, names[i], strerror(errno));
     }
@@ -32,18 +31,16 @@ iso_status iso_report_files_begin(const char *dir, iso_error *err)
 iso_status iso_report_files_image(const char *dir, const char *name, const iso_image *image,
                                   const iso_image_note *notes, char **uri, iso_error *err)
 {
-    char *exr = NULL, *png = NULL;
+    FREED char *exr = NULL, *png = NULL;
     if (asprintf(&exr, "%s/images/%s.exr", dir, name) < 0)
         exr = NULL;
     if (asprintf(&png, "%s/images/%s.png", dir, name) < 0)
         png = NULL;
-    iso_status status = exr && png ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-    TRY(status, iso_image_save_exr(image, exr, notes, err));
-    TRY(status, iso_image_save_png(image, png, 1, err));
-    TRY(status, iso_page_file_uri(png, "image/png", uri, err));
-    free(exr);
-    free(png);
-    return status;
+    if (!exr || !png)
+        return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    NEED(iso_image_save_exr(image, exr, notes, err));
+    NEED(iso_image_save_png(image, png, 1, err));
+    return iso_page_file_uri(png, "image/png", uri, err);
 }
 
 iso_status iso_report_files_difference(const char *dir, const char *a, const char *b, char **uri, iso_error *err)
@@ -52,12 +49,11 @@ iso_status iso_report_files_difference(const char *dir, const char *a, const cha
     iso_image images[2] = {{0}};
     iso_status status = ISO_OK;
     for (int i = 0; i < 2 && status == ISO_OK; ++i) {
-        char *path = NULL;
+        FREED char *path = NULL;
         if (asprintf(&path, "%s/images/%s.exr", dir, names[i]) < 0)
             status = iso_fail(err, ISO_E_MEMORY, "report: out of memory");
         else
             status = iso_image_load_exr(path, &images[i], err);
-        free(path);
     }
     if (status == ISO_OK && (images[0].width != images[1].width || images[0].height != images[1].height))
         status = iso_fail(err, ISO_E_RANGE, "report: the images %s and %s have %zux%zu and %zux%zu pixels", a, b,
@@ -166,26 +162,22 @@ iso_status iso_report_files_charts(const char *dir, const json_t *root, json_t *
         {"agreement", "agreement", iso_report_agreement_gp, put_agreement_csv},
         {"consistency", "consistency", iso_report_consistency_gp, put_consistency_csv},
     };
-    iso_status status = ISO_OK;
-    char *charts = iso_path_join(dir, "charts");
+    FREED char *charts = iso_path_join(dir, "charts");
     if (!charts)
         return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0] && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
         const json_t *rows = json_object_get(root, kinds[i].rows);
         if (json_array_size(rows) > 0)
-            status = make_chart(charts, &kinds[i], rows, inlined, err);
+            NEED(make_chart(charts, &kinds[i], rows, inlined, err));
     }
-    free(charts);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_report_files_page(const char *dir, const json_t *root, const json_t *inlined, iso_error *err)
 {
-    char *data = iso_path_join(dir, "report.json"), *page = iso_path_join(dir, "index.html");
-    iso_status status = data && page ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-    TRY(status, iso_json_save(data, root, err));
-    TRY(status, iso_page_write(page, &iso_page_of_report, root, inlined, err));
-    free(data);
-    free(page);
-    return status;
+    FREED char *data = iso_path_join(dir, "report.json"), *page = iso_path_join(dir, "index.html");
+    if (!data || !page)
+        return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    NEED(iso_json_save(data, root, err));
+    return iso_page_write(page, &iso_page_of_report, root, inlined, err);
 }

@@ -293,7 +293,7 @@ static void put_suite(FILE *f, const iso_report *r, int id, const suite *s)
 
 iso_status iso_report_write_junit(const iso_report *r, const char *path, iso_error *err)
 {
-    char *xml = NULL;
+    FREED char *xml = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&xml, &size);
     if (!f)
@@ -303,8 +303,5 @@ iso_status iso_report_write_junit(const iso_report *r, const char *path, iso_err
         if (i < ALWAYS || json_array_size(json_object_get(iso_report_json(r), suites[i].name)) > 0)
             put_suite(f, r, i, &suites[i]);
     fputs("</testsuites>\n", f);
-    iso_status status = fclose(f) == 0 ? iso_file_write(path, xml, size, err)
-                                       : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-    free(xml);
-    return status;
+    return fclose(f) == 0 ? iso_file_write(path, xml, size, err) : iso_fail(err, ISO_E_MEMORY, "report: out of memory");
 }

@@ -111,14 +111,13 @@ json_t *iso_rows_unanswered(const json_t *rows)
     json_array_foreach ((json_t *)rows, i, row)
         note_row(&seen, row);
     json_object_foreach (seen.asked, scene, asked) {
-        json_t *list = json_array();
+        json_auto_t *list = json_array();
         const bool compared = json_object_get(seen.compared, scene);
         json_object_foreach (json_object_get(seen.renderers, scene), renderer, answered)
             if (compared && json_is_false(answered))
                 json_array_append_new(list, json_string(renderer));
         if (json_array_size(list) > 0 || !compared)
             json_object_set(open, scene, list);
-        json_decref(list);
     }
     if (json_object_size(seen.compared) == 0 && json_object_size(open) == 0)
         json_object_set_new(open, "", json_array());

@@ -91,13 +91,12 @@ iso_status iso_report_check(const json_t *report, const char *path, iso_error *e
 iso_status iso_report_load(const char *path, json_t **report, iso_error *err)
 {
     const bool is_dir = iso_path_is_dir(path);
-    char *file = is_dir ? iso_path_join(path, "report.json") : strdup(path);
+    FREED char *file = is_dir ? iso_path_join(path, "report.json") : strdup(path);
     iso_status status = file ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
     if (is_dir && file && !iso_path_exists(file))
         status = iso_fail(err, ISO_E_IO, "%s: holds no report.json; needs a folder of isoshade validate -o", path);
     TRY(status, iso_json_load(file, report, err));
     TRY(status, iso_report_check(*report, file, err));
-    free(file);
     return status;
 }
 
@@ -115,9 +114,8 @@ void iso_report_source_close(iso_report_source *source)
 
 bool iso_report_source_has_pictures(const iso_report_source *source)
 {
-    char *images = source->dir ? iso_path_join(source->dir, "images") : NULL;
+    FREED char *images = source->dir ? iso_path_join(source->dir, "images") : NULL;
     const bool there = images && iso_path_is_dir(images);
-    free(images);
     return there;
 }
 

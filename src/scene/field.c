@@ -22,8 +22,7 @@ const char *iso_direction_source_name(iso_direction_source s)
 iso_status iso_direction_source_from_name(const char *name, iso_direction_source *s, iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(&iso_direction_source_names, name, &row, err);
-    if (status == ISO_OK)
-        *s = (iso_direction_source)row;
-    return status;
+    NEED(iso_names_find(&iso_direction_source_names, name, &row, err));
+    *s = (iso_direction_source)row;
+    return ISO_OK;
 }

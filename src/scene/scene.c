@@ -267,12 +267,10 @@ static void read_tf(iso_json_reader *r, const json_t *root, iso_scene *s)
         iso_json_get_string(r, root, "tf", true, &name);
     if (!name || r->status != ISO_OK)
         return;
-    char *dir = iso_path_dir(r->path);
-    char *path = dir ? iso_path_join(dir, name) : NULL;
+    FREED char *dir = iso_path_dir(r->path);
+    FREED char *path = dir ? iso_path_join(dir, name) : NULL;
     r->status = path ? iso_tf_load_as(path, &request, &s->tf, r->err)
                      : iso_fail(r->err, ISO_E_MEMORY, "%s: out of memory", r->path);
-    free(path);
-    free(dir);
 }
 
 iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *scene, iso_error *err)
@@ -321,13 +319,11 @@ iso_status iso_scene_from_json(const json_t *root, const char *path, iso_scene *
 
 iso_status iso_scene_load(const char *path, iso_scene *scene, iso_error *err)
 {
-    json_t *root = NULL;
+    json_auto_t *root = NULL;
     *scene = (iso_scene){0};
     NEED(iso_inputs_note(path, err));
     NEED(iso_json_load(path, &root, err));
-    iso_status status = iso_scene_from_json(root, path, scene, err);
-    json_decref(root);
-    return status;
+    return iso_scene_from_json(root, path, scene, err);
 }
 
 void iso_scene_destroy(iso_scene *scene)

@@ -69,12 +69,10 @@ json_t *iso_scene_to_json(const iso_scene *s)
 
 iso_status iso_scene_save_json(const json_t *root, const char *path, iso_error *err)
 {
-    iso_scene read = {0};
-    iso_status status = root ? iso_scene_from_json(root, path, &read, err)
-                             : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a scene", path);
-    TRY(status, iso_json_save(path, root, err));
-    iso_scene_destroy(&read);
-    return status;
+    OWNED(iso_scene) read = {0};
+    NEED(root ? iso_scene_from_json(root, path, &read, err)
+              : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a scene", path));
+    return iso_json_save(path, root, err);
 }
 
 json_t *iso_view_lights_to_json(const iso_view *view)

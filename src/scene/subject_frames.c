@@ -42,26 +42,23 @@ static bool is_same_grid(const iso_geometry *a, const iso_geometry *b)
 /* Checks the frames' grids by their headers, before anything is written. */
 static iso_status check_grids(const iso_subject_frames *f, iso_error *err)
 {
-    iso_status status = ISO_OK;
     iso_geometry first = {.size = {0}};
-    for (size_t k = 0; k < f->count && status == ISO_OK; ++k) {
+    for (size_t k = 0; k < f->count; ++k) {
         char number[24];
         iso_volume_source *source;
         iso_volume_input one = *f->input;
         snprintf(number, sizeof number, "%zu", k);
         one.frame = number;
-        status = iso_volume_input_open(f->path, &one, &source, err);
-        if (status != ISO_OK)
-            break;
+        NEED(iso_volume_input_open(f->path, &one, &source, err));
         const iso_geometry own = iso_source_volume(source)->geometry;
         iso_source_close(source);
         if (k == 0)
             first = own;
         else if (!is_same_grid(&first, &own))
-            status = iso_fail(err, ISO_E_RANGE,
-                              "%s: frame %zu has another grid than frame 0; one scene needs equal grids", f->path, k);
+            return iso_fail(err, ISO_E_RANGE,
+                            "%s: frame %zu has another grid than frame 0; one scene needs equal grids", f->path, k);
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_subject_frames_create(const char *path, const iso_volume_input *input, const iso_pyramid_options *build,
@@ -71,7 +68,7 @@ iso_status iso_subject_frames_create(const char *path, const iso_volume_input *i
     iso_subject_look of_all = look ? *look : (iso_subject_look){0};
     of_all.frames_box = true;
     iso_frames_facts facts;
-    iso_pyramid p = {0};
+    OWNED(iso_pyramid) p = {0};
     size_t labels = 0;
     *f = (iso_subject_frames){.path = path, .input = input, .progress = progress, .build = *build};
     if (iso_pyramid_is_one(path))
@@ -94,7 +91,6 @@ iso_status iso_subject_frames_create(const char *path, const iso_volume_input *i
         status = iso_subject_make_scene(&of_all, &p, &f->scene, err);
         f->has_scene = status == ISO_OK;
     }
-    iso_pyramid_destroy(&p);
     return status;
 }
 

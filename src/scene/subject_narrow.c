@@ -8,10 +8,9 @@ static iso_status see(const iso_subject_look *look, const iso_pyramid *p, iso_su
 {
     if (!look)
         return ISO_OK;
-    const iso_status status = iso_subject_make_view(look, p, &sight->view, err);
-    if (status == ISO_OK)
-        sight->visible = iso_visible_measure(&p->levels[0], &sight->view, NULL, look->threads);
-    return status;
+    NEED(iso_subject_make_view(look, p, &sight->view, err));
+    sight->visible = iso_visible_measure(&p->levels[0], &sight->view, NULL, look->threads);
+    return ISO_OK;
 }
 
 /* Makes the view with a pyramid of one level whose scalars are the volume's samples. */

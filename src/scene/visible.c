@@ -67,12 +67,11 @@ static size_t row_stride(const iso_geometry *g)
 /* Counts all voxels only if a sample of them leaves doubt that enough of them are visible. */
 static double visible_voxels(const iso_level *l, const threshold *seen, int threads)
 {
-    iso_value_table t = iso_value_table_create(l, counts_one, seen);
+    OWNED(iso_value_table) t = iso_value_table_create(l, counts_one, seen);
     const size_t stride = row_stride(&l->geometry);
     double share = share_of_rows(l, &t, stride, threads);
     if (stride > 1 && share < 10 * ISO_VISIBLE_LEAST)
         share = share_of_rows(l, &t, 1, threads);
-    iso_value_table_destroy(&t);
     return share;
 }
 

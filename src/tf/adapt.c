@@ -237,13 +237,11 @@ iso_status iso_adapter_update(const iso_adapter *a, const iso_tf_table *tf, cons
                               iso_tf_table *table, iso_error *err)
 {
     double row_length_mm = averaging_length_mm(a, level0, level);
-    weighted_tf *prepared = malloc(a->z.count * sizeof *prepared);
-    if (!prepared || table->count != a->s.count) {
-        free(prepared);
+    FREED weighted_tf *prepared = malloc(a->z.count * sizeof *prepared);
+    if (!prepared || table->count != a->s.count)
         return prepared
                    ? iso_fail(err, ISO_E_RANGE, "adapt: the table has %zu entries, needs %zu", table->count, a->s.count)
                    : iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
-    }
     prepare(a, tf, row_length_mm, prepared);
     bool any = a->row_start[a->s.count] > 0;
     for (size_t row = 0; row < a->s.count; ++row) {
@@ -257,7 +255,6 @@ iso_status iso_adapter_update(const iso_adapter *a, const iso_tf_table *tf, cons
             table->entries[4 * row + (size_t)c] = (float)rgbs[c];
     }
     fill_empty_rows(a, table, row_length_mm);
-    free(prepared);
     return ISO_OK;
 }
 
@@ -295,7 +292,7 @@ static void blend_tf_2d_row(const row_sums *all, double count, row_sums *r)
 static iso_status fill_tf_2d(const iso_adapter *all, const iso_adapter *second, const iso_tf_table *tf,
                              double length_mm, iso_tf_table rows[ISO_TF_2D_ROWS], iso_error *err)
 {
-    weighted_tf *prepared = malloc(all->z.count * sizeof *prepared);
+    FREED weighted_tf *prepared = malloc(all->z.count * sizeof *prepared);
     if (!prepared)
         return iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
     prepare(all, tf, length_mm, prepared);
@@ -309,7 +306,6 @@ static iso_status fill_tf_2d(const iso_adapter *all, const iso_adapter *second, 
     }
     for (size_t c = 0; c < ISO_TF_2D_ROWS; ++c)
         fill_empty_rows(all, &rows[c], length_mm);
-    free(prepared);
     return ISO_OK;
 }
 
@@ -318,23 +314,20 @@ static iso_status second_value_bytes(const iso_pyramid *p, size_t level, iso_sec
                                      uint8_t **bytes, iso_error *err)
 {
     size_t count = iso_geometry_voxel_count(&p->levels[level].geometry);
-    float *planes = malloc(count * sizeof *planes);
+    FREED float *planes = malloc(count * sizeof *planes);
     *bytes = malloc(count);
-    if (!planes || !*bytes) {
-        free(planes);
+    if (!planes || !*bytes)
         return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for the second value of %zu voxels", count);
-    }
-    iso_status status = iso_joint_second_coordinates(p, level, second, threads, planes, err);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+    NEED(iso_joint_second_coordinates(p, level, second, threads, planes, err));
+    for (size_t i = 0; i < count; ++i)
         (*bytes)[i] = (uint8_t)(planes[i] * (255.0f / (ISO_TF_2D_ROWS - 1)) + 0.5f);
-    free(planes);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_adapt_tf_2d(const iso_pyramid *p, size_t level, iso_second_value second, const iso_tf_table *tf,
                            const iso_adapt_options *opt, iso_tf_2d *out, iso_error *err)
 {
-    iso_joint joint = {0}, joint_2d = {0};
+    OWNED(iso_joint) joint = {0}, joint_2d = {0};
     iso_adapter *all = NULL, *by_second = NULL;
     *out = (iso_tf_2d){0};
     iso_adapt_options opt_2d = *opt; /* a wider window: the second value already separates a row's bulk from its tail */
@@ -357,7 +350,5 @@ iso_status iso_adapt_tf_2d(const iso_pyramid *p, size_t level, iso_second_value 
         iso_tf_2d_destroy(out);
     iso_adapter_destroy(all);
     iso_adapter_destroy(by_second);
-    iso_joint_destroy(&joint);
-    iso_joint_destroy(&joint_2d);
     return status;
 }

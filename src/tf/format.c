@@ -112,23 +112,20 @@ static iso_status set_range(const iso_tf_request *q, iso_tf *tf, const char *pat
 
 iso_status iso_tf_load_as(const char *path, const iso_tf_request *request, iso_tf *tf, iso_error *err)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     iso_tf_file file = {.path = path, .request = request};
     const iso_tf_format *other;
     *tf = (iso_tf){0};
     NEED(iso_inputs_note(path, err));
     NEED(iso_file_read(path, &text, &file.size, err));
-    if (file.size > MOST_BYTES) {
-        free(text);
+    if (file.size > MOST_BYTES)
         return iso_fail(err, ISO_E_FORMAT, "%s: has %zu bytes, a transfer function has at most %zu", path, file.size,
                         MOST_BYTES);
-    }
     file.text = text;
     const iso_tf_format *format = find_format(&file, &other);
     iso_status status = format ? format->load(&file, tf, err)
                                : iso_fail(err, ISO_E_FORMAT, "%s: its content is %s; give it a name that ends with %s",
                                           path, other->summary, other->also ? other->also : other->suffix);
-    free(text);
     if (status == ISO_OK && (status = set_range(request, tf, path, err)) != ISO_OK)
         iso_tf_destroy(tf);
     if (status == ISO_OK) {
@@ -221,10 +218,8 @@ static iso_status set_opacity(const iso_tf_file *file, iso_tf_curves *c, iso_err
         return ISO_OK;
     if (!q->has_opacity)
         return iso_fail(err, ISO_E_USAGE, "%s: has no opacities; give them by tf convert --opacity A[,B]", file->path);
-    iso_status status = iso_tf_curve_add_opacity(&c->opacity, c->color.nodes[0].x, q->opacity[0], file->path, err);
-    return status != ISO_OK ? status
-                            : iso_tf_curve_add_opacity(&c->opacity, c->color.nodes[c->color.count - 1].x, q->opacity[1],
-                                                       file->path, err);
+    NEED(iso_tf_curve_add_opacity(&c->opacity, c->color.nodes[0].x, q->opacity[0], file->path, err));
+    return iso_tf_curve_add_opacity(&c->opacity, c->color.nodes[c->color.count - 1].x, q->opacity[1], file->path, err);
 }
 
 iso_status iso_tf_take_curves(const iso_tf_file *file, iso_tf_curves *curves, iso_tf *tf, iso_error *err)

@@ -138,28 +138,27 @@ static iso_status read_row(csv *c, size_t number, const char *line, const char *
 static iso_status read_lines(csv *c, iso_error *err)
 {
     const char *line = c->file->text, *end = line + c->file->size;
-    iso_status status = ISO_OK;
     if (memchr(line, '\0', c->file->size))
         return iso_fail(err, ISO_E_FORMAT, "%s: is not text", c->file->path);
-    for (size_t number = 1; line < end && status == ISO_OK; ++number) {
+    for (size_t number = 1; line < end; ++number) {
         const char *stop = memchr(line, '\n', (size_t)(end - line));
         const char *field, *at = line;
         stop = stop ? stop : end;
         if (next_field(&at, stop, &field) > 0 && *field != '#')
-            status = isalpha((unsigned char)*field) && c->rows == 0 && !c->has_header
-                         ? read_header(c, line, stop, err)
-                         : read_row(c, number, line, stop, err);
+            NEED(isalpha((unsigned char)*field) && c->rows == 0 && !c->has_header
+                     ? read_header(c, line, stop, err)
+                     : read_row(c, number, line, stop, err));
         line = stop + 1;
     }
-    if (status == ISO_OK && c->rows < 2)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: has %zu lines of numbers, must have at least 2", c->file->path,
-                          c->rows);
-    if (status == ISO_OK && !(c->has[RED] && c->has[GREEN] && c->has[BLUE]))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: has no column \"%s\"", c->file->path,
-                          !c->has[RED]     ? "r"
-                          : !c->has[GREEN] ? "g"
-                                           : "b");
-    return status;
+    if (c->rows < 2)
+        return iso_fail(err, ISO_E_FORMAT, "%s: has %zu lines of numbers, must have at least 2", c->file->path,
+                        c->rows);
+    if (!(c->has[RED] && c->has[GREEN] && c->has[BLUE]))
+        return iso_fail(err, ISO_E_FORMAT, "%s: has no column \"%s\"", c->file->path,
+                        !c->has[RED]     ? "r"
+                        : !c->has[GREEN] ? "g"
+                                         : "b");
+    return ISO_OK;
 }
 
 /* Reads our own format: linear color and extinction at even distances. */
@@ -257,7 +256,7 @@ static iso_status save_csv(const iso_tf_output *output, const char *path, iso_er
 {
     const iso_tf_table *table = output->table;
     const double unit_mm = output->unit_mm;
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
     if (!memory)
@@ -265,9 +264,7 @@ static iso_status save_csv(const iso_tf_output *output, const char *path, iso_er
     fprintf(memory, "value,r_linear,g_linear,b_linear,extinction_per_mm,opacity_of_%.9g_mm\n", unit_mm);
     write_rows(memory, table, unit_mm);
     fclose(memory);
-    iso_status status = iso_file_write(path, text, size, err);
-    free(text);
-    return status;
+    return iso_file_write(path, text, size, err);
 }
 
 const iso_tf_format iso_tf_format_csv = {

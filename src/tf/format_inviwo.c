@@ -28,25 +28,23 @@ static iso_status read_point(const iso_tf_file *file, const xmlNode *point, iso_
 static iso_status check_mask(const iso_tf_file *file, const xmlNode *root, iso_error *err)
 {
     double lo = 0, hi = 1;
-    iso_status status = iso_xml_optional_number(file, iso_xml_next(root, root, "maskMin"), "content", iso_xml_any, &lo,
-                                                err);
-    TRY(status, iso_xml_optional_number(file, iso_xml_next(root, root, "maskMax"), "content", iso_xml_any, &hi, err));
-    if (status == ISO_OK && (lo > 0 || hi < 1))
-        status = iso_fail(err, ISO_E_FORMAT,
-                          "%s: is masked to %g to %g (\"maskMin\", \"maskMax\"), only 0 to 1 is supported", file->path,
-                          lo, hi);
-    return status;
+    NEED(iso_xml_optional_number(file, iso_xml_next(root, root, "maskMin"), "content", iso_xml_any, &lo, err));
+    NEED(iso_xml_optional_number(file, iso_xml_next(root, root, "maskMax"), "content", iso_xml_any, &hi, err));
+    if (lo > 0 || hi < 1)
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: is masked to %g to %g (\"maskMin\", \"maskMax\"), only 0 to 1 is supported", file->path,
+                        lo, hi);
+    return ISO_OK;
 }
 
 static iso_status read_points(const iso_tf_file *file, const xmlNode *root, iso_tf_curves *c, iso_error *err)
 {
     static const char *const names[] = {"point", "Point"};
-    iso_status status = check_mask(file, root, err);
+    NEED(check_mask(file, root, err));
     for (int k = 0; k < 2; ++k)
-        for (const xmlNode *p = iso_xml_next(root, root, names[k]); p && status == ISO_OK;
-             p = iso_xml_next(root, p, names[k]))
-            status = read_point(file, p, c, err);
-    return status;
+        for (const xmlNode *p = iso_xml_next(root, root, names[k]); p; p = iso_xml_next(root, p, names[k]))
+            NEED(read_point(file, p, c, err));
+    return ISO_OK;
 }
 
 static iso_status load_inviwo(const iso_tf_file *file, iso_tf *tf, iso_error *err)

@@ -18,12 +18,10 @@ static iso_status check_request(const iso_tf_file *file, iso_error *err)
 
 static iso_status load_json(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
-    json_t *root;
-    iso_status status = iso_json_parse(file->path, file->text, file->size, &root, err);
-    TRY(status, check_request(file, err));
-    TRY(status, iso_tf_from_json(root, file->path, tf, err));
-    json_decref(root);
-    return status;
+    json_auto_t *root = NULL;
+    NEED(iso_json_parse(file->path, file->text, file->size, &root, err));
+    NEED(check_request(file, err));
+    return iso_tf_from_json(root, file->path, tf, err);
 }
 
 static iso_status save_json(const iso_tf_output *output, const char *path, iso_error *err)

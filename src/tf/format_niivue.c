@@ -54,7 +54,7 @@ static void read_lists(iso_json_reader *r, const json_t *root, bytes *b, iso_tf_
 
 static iso_status load_niivue(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
-    json_t *root;
+    json_auto_t *root = NULL;
     iso_tf_curves curves = {.unit_mm = 1, .unit_is_voxel = true, .unit_is_default = true};
     iso_status status = iso_json_parse(file->path, file->text, file->size, &root, err);
     if (status != ISO_OK)
@@ -69,7 +69,6 @@ static iso_status load_niivue(const iso_tf_file *file, iso_tf *tf, iso_error *er
     else
         read_lists(&r, root, b, &curves);
     free(b);
-    json_decref(root);
     if (r.status == ISO_OK)
         return iso_tf_take_curves(file, &curves, tf, err);
     iso_tf_curves_destroy(&curves);

@@ -83,24 +83,23 @@ static iso_status read_nodes(const iso_tf_file *file, const json_t *map, const c
 {
     const json_t *list = json_object_get(map, key);
     const int components = strcmp(key, "RGBPoints") == 0 ? 3 : 1;
-    iso_status status = ISO_OK;
     if (!list || json_is_null(list))
         return ISO_OK;
     if (!json_is_array(list) || json_array_size(list) % 4 != 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: \"%s\" is not a list of four numbers per point", file->path, key);
-    for (size_t i = 0; i + 3 < json_array_size(list) && status == ISO_OK; i += 4) {
+    for (size_t i = 0; i + 3 < json_array_size(list); i += 4) {
         double v[4];
-        for (size_t k = 0; k < 4 && status == ISO_OK; ++k) {
+        for (size_t k = 0; k < 4; ++k) {
             const json_t *item = json_array_get(list, i + k);
             v[k] = json_number_value(item);
             if (!json_is_number(item))
-                status = iso_fail(err, ISO_E_FORMAT, "%s: \"%s\": entry %zu is not a number", file->path, key, i + k);
+                return iso_fail(err, ISO_E_FORMAT, "%s: \"%s\": entry %zu is not a number", file->path, key, i + k);
         }
         const iso_tf_node node = components == 3 ? (iso_tf_node){v[0], {v[1], v[2], v[3]}, 0.5, 0}
                                                  : (iso_tf_node){v[0], {v[1]}, v[2], v[3]};
-        TRY(status, iso_tf_curve_add(curve, node, components, file->path, err));
+        NEED(iso_tf_curve_add(curve, node, components, file->path, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* True if the value is true or a number other than 0. */
@@ -157,7 +156,7 @@ static iso_status load_paraview(const iso_tf_file *file, iso_tf *tf, iso_error *
     iso_tf_curves curves = {0};
     const json_t *map = NULL;
     char *text = without_last_commas(file);
-    json_t *root = text ? json_loads(text, 0, &where) : NULL;
+    json_auto_t *root = text ? json_loads(text, 0, &where) : NULL;
     if (!text)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
     free(text);
@@ -165,7 +164,6 @@ static iso_status load_paraview(const iso_tf_file *file, iso_tf *tf, iso_error *
         return iso_fail(err, ISO_E_FORMAT, "%s:%d:%d: not JSON: %s", file->path, where.line, where.column, where.text);
     iso_status status = choose_map(file, root, &map, err);
     TRY(status, read_map(file, map, &curves, err));
-    json_decref(root);
     if (status == ISO_OK)
         return iso_tf_take_curves(file, &curves, tf, err);
     iso_tf_curves_destroy(&curves);
@@ -191,16 +189,11 @@ static iso_status save_paraview(const iso_tf_output *output, const char *path, i
 {
     const iso_tf_table *table = output->table;
     const double unit_mm = output->unit_mm;
-    iso_tf_curves c = {0};
-    iso_status status = iso_tf_reduce(table, unit_mm, 0, 1.0 / 2048, &c, err);
-    if (status == ISO_OK) {
-        json_t *root = json_pack("[{s:s, s:s, s:o, s:o}]", "Name", "isoshade", "ColorSpace", "RGB", "RGBPoints",
-                                 flat(&c.color, 3), "Points", flat(&c.opacity, 1));
-        status = iso_json_save(path, root, err);
-        json_decref(root);
-    }
-    iso_tf_curves_destroy(&c);
-    return status;
+    OWNED(iso_tf_curves) c = {0};
+    NEED(iso_tf_reduce(table, unit_mm, 0, 1.0 / 2048, &c, err));
+    json_auto_t *root = json_pack("[{s:s, s:s, s:o, s:o}]", "Name", "isoshade", "ColorSpace", "RGB", "RGBPoints",
+                                  flat(&c.color, 3), "Points", flat(&c.opacity, 1));
+    return iso_json_save(path, root, err);
 }
 
 const iso_tf_format iso_tf_format_paraview = {

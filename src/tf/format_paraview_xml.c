@@ -17,15 +17,13 @@ static iso_status read_point(const iso_tf_file *file, const xmlNode *node, iso_t
 {
     static const char *const attributes[] = {"r", "g", "b"};
     double x = 0, o = 1, rgb[3] = {0};
-    iso_status status = iso_xml_number(file, node, "x", iso_xml_any, &x, err);
-    for (int k = 0; k < 3 && status == ISO_OK; ++k)
-        status = iso_xml_number(file, node, attributes[k], iso_xml_fraction, &rgb[k], err);
-    TRY(status, iso_tf_curve_add_color(&c->color, x, rgb, file->path, err));
-    if (status == ISO_OK && has_opacity)
-        status = iso_xml_number(file, node, "o", iso_xml_fraction, &o, err);
-    if (status == ISO_OK && has_opacity)
-        status = iso_tf_curve_add_opacity(&c->opacity, x, o, file->path, err);
-    return status;
+    NEED(iso_xml_number(file, node, "x", iso_xml_any, &x, err));
+    for (int k = 0; k < 3; ++k)
+        NEED(iso_xml_number(file, node, attributes[k], iso_xml_fraction, &rgb[k], err));
+    NEED(iso_tf_curve_add_color(&c->color, x, rgb, file->path, err));
+    if (has_opacity)
+        NEED(iso_xml_number(file, node, "o", iso_xml_fraction, &o, err));
+    return has_opacity ? iso_tf_curve_add_opacity(&c->opacity, x, o, file->path, err) : ISO_OK;
 }
 
 /* True if the attribute is "true" or a number other than 0. */

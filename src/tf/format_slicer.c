@@ -139,19 +139,14 @@ static iso_status save_slicer(const iso_tf_output *output, const char *path, iso
 {
     const iso_tf_table *table = output->table;
     const double unit_mm = output->unit_mm;
-    iso_tf_curves c = {0};
-    iso_status status = iso_tf_reduce(table, unit_mm, 0, 1.0 / 2048, &c, err);
-    if (status == ISO_OK) {
-        json_t *component = json_pack("{s:b, s:f, s:o, s:o}", "shade", 1, "scalarOpacityUnitDistance", unit_mm,
-                                      "scalarOpacity", points_of(&c.opacity, 1), "rgbTransferFunction",
-                                      points_of(&c.color, 3));
-        json_t *root = json_pack("{s:s, s:[{s:[f, f], s:[o]}]}", "@schema", schema, "volumeProperties",
-                                 "effectiveRange", table->lo, table->hi, "components", component);
-        status = iso_json_save(path, root, err);
-        json_decref(root);
-    }
-    iso_tf_curves_destroy(&c);
-    return status;
+    OWNED(iso_tf_curves) c = {0};
+    NEED(iso_tf_reduce(table, unit_mm, 0, 1.0 / 2048, &c, err));
+    json_t *component = json_pack("{s:b, s:f, s:o, s:o}", "shade", 1, "scalarOpacityUnitDistance", unit_mm,
+                                  "scalarOpacity", points_of(&c.opacity, 1), "rgbTransferFunction",
+                                  points_of(&c.color, 3));
+    json_auto_t *root = json_pack("{s:s, s:[{s:[f, f], s:[o]}]}", "@schema", schema, "volumeProperties",
+                                  "effectiveRange", table->lo, table->hi, "components", component);
+    return iso_json_save(path, root, err);
 }
 
 const iso_tf_format iso_tf_format_slicer = {

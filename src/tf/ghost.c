@@ -174,7 +174,7 @@ static size_t give_ghosts_back(const iso_tf_table *original, const iso_small_vie
 iso_status iso_ghost_remove(const iso_small_views_input *in, iso_tf_table *adapted, size_t *given_back, iso_error *err)
 {
     const size_t n = adapted->count;
-    int64_t *sums = malloc(2 * n * sizeof *sums);
+    FREED int64_t *sums = malloc(2 * n * sizeof *sums);
     iso_status status = sums ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "ghost: no memory for %zu entries", n);
     size_t given = 1;
     *given_back = 0;
@@ -192,6 +192,5 @@ iso_status iso_ghost_remove(const iso_small_views_input *in, iso_tf_table *adapt
         given = give_ghosts_back(in->original, &rows, adapted);
         *given_back += given;
     }
-    free(sums);
     return status;
 }

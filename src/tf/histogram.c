@@ -361,21 +361,18 @@ static int compare_pairs(const void *a, const void *b)
 
 static iso_status rows_from_map(const iso_joint_builder *b, iso_joint *joint, iso_error *err)
 {
-    pair *pairs = malloc((b->map.used ? b->map.used : 1) * sizeof *pairs);
-    iso_status status = pairs ? make_rows(joint, b, b->map.used, err)
-                              : iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for %zu entries", b->map.used);
-    if (status == ISO_OK) {
-        size_t used = 0;
-        for (size_t i = 0; i < b->map.capacity; ++i)
-            if (b->map.keys[i])
-                pairs[used++] = (pair){b->map.keys[i] - 1, b->map.counts[i]};
-        qsort(pairs, used, sizeof *pairs, compare_pairs);
-        for (size_t i = 0; i < used; ++i)
-            put_entry(joint, i, pairs[i].key, pairs[i].count);
-        sum_rows(joint);
-    }
-    free(pairs);
-    return status;
+    FREED pair *pairs = malloc((b->map.used ? b->map.used : 1) * sizeof *pairs);
+    NEED(pairs ? make_rows(joint, b, b->map.used, err)
+               : iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for %zu entries", b->map.used));
+    size_t used = 0;
+    for (size_t i = 0; i < b->map.capacity; ++i)
+        if (b->map.keys[i])
+            pairs[used++] = (pair){b->map.keys[i] - 1, b->map.counts[i]};
+    qsort(pairs, used, sizeof *pairs, compare_pairs);
+    for (size_t i = 0; i < used; ++i)
+        put_entry(joint, i, pairs[i].key, pairs[i].count);
+    sum_rows(joint);
+    return ISO_OK;
 }
 
 static iso_status rows_from_table(const iso_joint_builder *b, iso_joint *joint, iso_error *err)
@@ -418,14 +415,13 @@ static iso_status count_all(const iso_pyramid *p, size_t level, const float *sec
     const iso_level *fine = &p->levels[0], *coarse = &p->levels[level];
     const size_t *n = fine->geometry.size, *m = coarse->geometry.size;
     size_t slab = SLAB_VOXELS / (n[0] * n[1]) > 0 ? SLAB_VOXELS / (n[0] * n[1]) : 1;
-    iso_status status = ISO_OK;
-    for (size_t z0 = 0; status == ISO_OK && z0 < n[2]; z0 += slab) {
+    for (size_t z0 = 0; z0 < n[2]; z0 += slab) {
         size_t z1 = z0 + slab < n[2] ? z0 + slab : n[2], first, count;
         iso_joint_needs(b, z0, z1, &first, &count);
-        status = iso_joint_add(b, z0, z1, fine->scalar + z0 * n[0] * n[1], coarse->scalar + first * m[0] * m[1],
-                               second ? second + first * m[0] * m[1] : NULL, err);
+        NEED(iso_joint_add(b, z0, z1, fine->scalar + z0 * n[0] * n[1], coarse->scalar + first * m[0] * m[1],
+                           second ? second + first * m[0] * m[1] : NULL, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_second_value second, int threads,

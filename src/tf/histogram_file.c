@@ -25,9 +25,8 @@ static char *file_path(const char *dir, const iso_joint_key *key)
 
 bool iso_joint_is_stored(const char *dir, const iso_joint_key *key)
 {
-    char *path = file_path(dir, key);
+    FREED char *path = file_path(dir, key);
     const bool is = path && iso_path_exists(path);
-    free(path);
     return is;
 }
 
@@ -79,11 +78,11 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
 {
     bool sparse = sparse_is_smaller(j);
     iso_geometry g = bins_geometry(j, sparse);
-    iso_volume v = {0};
-    char *path = file_path(dir, &(iso_joint_key){level, bits, j->second});
-    iso_status status = path ? iso_volume_create(&v, &g, fits_32_bits(j) ? ISO_U32 : ISO_F64, path, err)
-                             : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
-    for (size_t s = 0; status == ISO_OK && s < iso_joint_row_count(j); ++s)
+    OWNED(iso_volume) v = {0};
+    FREED char *path = file_path(dir, &(iso_joint_key){level, bits, j->second});
+    NEED(path ? iso_volume_create(&v, &g, fits_32_bits(j) ? ISO_U32 : ISO_F64, path, err)
+              : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory"));
+    for (size_t s = 0; s < iso_joint_row_count(j); ++s)
         for (size_t i = j->row_start[s]; i < j->row_start[s + 1]; ++i) {
             if (sparse) {
                 put_number(&v, 3 * i, j->entry_z[i]);
@@ -91,14 +90,12 @@ iso_status iso_joint_save(const iso_joint *j, const char *dir, size_t level, int
             }
             put_number(&v, sparse ? 3 * i + 2 : s * j->z.count + j->entry_z[i], j->entry_count_of[i]);
         }
-    TRY(status, iso_volume_save(&v, path, true, err));
-    if (status == ISO_OK && !iso_manifest_add(dir, iso_path_base(path))) {
+    NEED(iso_volume_save(&v, path, true, err));
+    if (!iso_manifest_add(dir, iso_path_base(path))) {
         iso_remove_tree(path);
-        status = iso_fail(err, ISO_E_IO, "%s: cannot list the folder", path);
+        return iso_fail(err, ISO_E_IO, "%s: cannot list the folder", path);
     }
-    iso_volume_destroy(&v);
-    free(path);
-    return status;
+    return ISO_OK;
 }
 
 /* Fills *j from the file's numbers. ISO_E_FORMAT: sizes or order differ from those that save writes; ISO_E_MEMORY. */
@@ -144,8 +141,8 @@ iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_b
                           uint64_t voxel_count, iso_joint *j, iso_error *err)
 {
     *j = (iso_joint){0};
-    iso_volume v = {0};
-    char *path = file_path(dir, key);
+    OWNED(iso_volume) v = {0};
+    FREED char *path = file_path(dir, key);
     iso_status status = path ? iso_volume_load(path, &v, err)
                              : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
     if (status == ISO_OK && v.type != ISO_U32 && v.type != ISO_F64)
@@ -164,18 +161,15 @@ iso_status iso_joint_load(const char *dir, const iso_joint_key *key, const iso_b
                           (unsigned long long)j->voxel_count, (unsigned long long)voxel_count);
     if (status != ISO_OK)
         iso_joint_destroy(j);
-    iso_volume_destroy(&v);
-    free(path);
     return status;
 }
 
 /* Removes a file that could not be loaded: it counts as an input, which no output replaces. */
 static void remove_stored(const char *dir, const iso_joint_key *key)
 {
-    char *path = file_path(dir, key);
+    FREED char *path = file_path(dir, key);
     if (path)
         unlink(path);
-    free(path);
 }
 
 iso_status iso_joint_obtain(const iso_pyramid *p, const char *dir, const iso_joint_key *key, int threads, iso_joint *j,

@@ -55,7 +55,7 @@ static iso_status gradient_coordinates(const iso_level *level, double half_range
     iso_gradient_options opt = iso_gradient_defaults();
     size_t plane = n[0] * n[1];
     opt.threads = threads;
-    float *g = malloc(3 * plane * sizeof *g);
+    FREED float *g = malloc(3 * plane * sizeof *g);
     iso_status status = g ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for a plane of gradients");
     for (size_t z = 0; z < n[2] && status == ISO_OK; ++z) {
         status = iso_gradient_slab(&v, &opt, z, z + 1, g, err);
@@ -66,7 +66,6 @@ static iso_status gradient_coordinates(const iso_level *level, double half_range
                                                 : 0;
         }
     }
-    free(g);
     return status;
 }
 

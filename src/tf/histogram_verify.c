@@ -30,17 +30,14 @@ static iso_status check_one(const iso_pyramid *p, const char *dir, const iso_joi
 {
     const iso_level *fine = &p->levels[0];
     iso_bins z, s;
-    iso_joint stored = {0}, counted = {0};
+    OWNED(iso_joint) stored = {0}, counted = {0};
     *check = (iso_joint_check){.key = *key, .voxels = iso_geometry_voxel_count(&fine->geometry)};
     iso_joint_bins(fine->min, fine->max, fine->stored_type, key->bits, &z, &s);
     if (iso_joint_load(dir, key, &z, &s, check->voxels, &stored, &check->unreadable) != ISO_OK)
         return ISO_OK;
-    iso_status status = iso_joint_compute(p, key->level, key->bits, key->second, threads, &counted, err);
-    if (status == ISO_OK)
-        check->differing = count_differing(&stored, &counted);
-    iso_joint_destroy(&counted);
-    iso_joint_destroy(&stored);
-    return status;
+    NEED(iso_joint_compute(p, key->level, key->bits, key->second, threads, &counted, err));
+    check->differing = count_differing(&stored, &counted);
+    return ISO_OK;
 }
 
 /* Lists the keys of existing files and returns their number. keys: space for all, or NULL. */
@@ -64,18 +61,16 @@ iso_status iso_joint_verify(const iso_pyramid *p, const char *dir, int threads, 
                             const iso_progress *progress, iso_error *err)
 {
     *count = list_keys(p, dir, NULL);
-    iso_joint_key *keys = calloc(*count + 1, sizeof *keys);
+    FREED iso_joint_key *keys = calloc(*count + 1, sizeof *keys);
     *checks = calloc(*count + 1, sizeof **checks);
-    iso_status status = keys && *checks ? ISO_OK
-                                        : iso_fail(err, ISO_E_MEMORY, "no memory for %zu joint histograms", *count);
-    if (status == ISO_OK)
-        list_keys(p, dir, keys);
-    for (size_t i = 0; i < *count && status == ISO_OK; ++i) {
+    if (!keys || !(*checks))
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu joint histograms", *count);
+    list_keys(p, dir, keys);
+    for (size_t i = 0; i < *count; ++i) {
         iso_progress_report(progress, "joint histograms", (double)i / (double)*count);
-        status = check_one(p, dir, &keys[i], threads, &(*checks)[i], err);
+        NEED(check_one(p, dir, &keys[i], threads, &(*checks)[i], err));
     }
-    free(keys);
-    return status;
+    return ISO_OK;
 }
 
 bool iso_joint_check_is_good(const iso_joint_check *check)

@@ -187,11 +187,9 @@ iso_status iso_tf_of_level(const char *name, const iso_tf_request *request, cons
         return iso_tf_load_as(name, request, tf, err);
     if (survey)
         return iso_tf_preset_apply(row, survey, &level0->geometry, tf, err);
-    iso_survey *own;
-    iso_status status = iso_survey_make(level0, threads, &own, err);
-    TRY(status, iso_tf_preset_apply(row, own, &level0->geometry, tf, err));
-    free(own);
-    return status;
+    FREED iso_survey *own = NULL;
+    NEED(iso_survey_make(level0, threads, &own, err));
+    return iso_tf_preset_apply(row, own, &level0->geometry, tf, err);
 }
 
 iso_status iso_tf_of_volume(const char *name, const iso_tf_request *request, const iso_volume *v, int threads,
@@ -210,12 +208,10 @@ iso_status iso_tf_of_volume(const char *name, const iso_tf_request *request, con
 iso_status iso_tf_check_name(const char *name, const iso_tf_request *request, iso_error *err)
 {
     size_t row = 0;
-    iso_tf tf = {0};
+    OWNED(iso_tf) tf = {0};
     if (!name || iso_tf_preset_find(name, &row))
         return ISO_OK;
     if (!iso_path_exists(name) && !strpbrk(name, "./"))
         return iso_names_find(&iso_tf_preset_names, name, &row, err);
-    const iso_status status = iso_tf_load_as(name, request, &tf, err);
-    iso_tf_destroy(&tf);
-    return status;
+    return iso_tf_load_as(name, request, &tf, err);
 }

@@ -53,12 +53,11 @@ static void choose(const sampled *s, int first, int last, double most)
 
 static iso_status take(const sampled *s, bool color, iso_tf_curve *curve, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < s->count && status == ISO_OK; ++i)
+    for (size_t i = 0; i < s->count; ++i)
         if (s->kept[i])
-            status = color ? iso_tf_curve_add_color(curve, place(s, i), s->rgba[i], "a table", err)
-                           : iso_tf_curve_add_opacity(curve, place(s, i), s->rgba[i][3], "a table", err);
-    return status;
+            NEED(color ? iso_tf_curve_add_color(curve, place(s, i), s->rgba[i], "a table", err)
+                       : iso_tf_curve_add_opacity(curve, place(s, i), s->rgba[i][3], "a table", err));
+    return ISO_OK;
 }
 
 iso_status iso_tf_reduce(const iso_tf_table *table, double unit_mm, size_t grid, double most, iso_tf_curves *curves,

@@ -203,7 +203,7 @@ static void compare(const iso_tf_curves *c, const iso_tf_table *t, double unit, 
 iso_status iso_tf_measure_loss(const iso_tf_curves *c, iso_tf *tf, iso_error *err)
 {
     const iso_geometry unit = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
-    iso_tf_table t = {0};
+    OWNED(iso_tf_table) t = {0};
     iso_tf_loss *loss = &tf->loss;
     NEED(iso_tf_tabulate(tf, 0, 1, &unit, &t, err));
     enum { BETWEEN = 4 };
@@ -214,6 +214,5 @@ iso_status iso_tf_measure_loss(const iso_tf_curves *c, iso_tf *tf, iso_error *er
         for (int k = 1; k < BETWEEN && i + 1 < t.count; ++k)
             compare(c, &t, tf->unit_distance, x + width * k / BETWEEN, &loss->between, &loss->between);
     }
-    iso_tf_table_destroy(&t);
     return ISO_OK;
 }

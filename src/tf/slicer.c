@@ -9,23 +9,21 @@ iso_status iso_slicer_curve(const char *text, const char *what, int components, 
     char *end = (char *)text;
     const double count = strtod(text, &end);
     const int each = 1 + components;
-    iso_status status = ISO_OK;
     if (end == text || !(count >= 0 && count <= 65536) || (int)count != count || (int)count % each != 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: %s must begin with the count of numbers that follow, %d per point",
                         path, what, each);
-    for (int i = 0; i < (int)count && status == ISO_OK; i += each) {
+    for (int i = 0; i < (int)count; i += each) {
         double v[4] = {0};
-        for (int k = 0; k < each && status == ISO_OK; ++k) {
+        for (int k = 0; k < each; ++k) {
             const char *from = end;
             v[k] = strtod(from, &end);
             if (end == from)
-                status = iso_fail(err, ISO_E_FORMAT, "%s: %s has %d numbers, its count is %d", path, what, i + k,
-                                  (int)count);
+                return iso_fail(err, ISO_E_FORMAT, "%s: %s has %d numbers, its count is %d", path, what, i + k,
+                                (int)count);
         }
-        if (status == ISO_OK)
-            status = iso_tf_curve_add(curve, (iso_tf_node){v[0], {v[1], v[2], v[3]}, 0.5, 0}, components, path, err);
+        NEED(iso_tf_curve_add(curve, (iso_tf_node){v[0], {v[1], v[2], v[3]}, 0.5, 0}, components, path, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_slicer_check_gradient(const iso_tf_curve *curve, const char *hint, const char *path, iso_error *err)

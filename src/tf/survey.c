@@ -134,7 +134,7 @@ static iso_status take_labels(const iso_level *l, iso_survey *s, iso_error *err)
 {
     enum { LEAST = -32768, SPAN = 65536 + 32768 };
     const size_t count = iso_geometry_voxel_count(&l->geometry);
-    char *seen = calloc(SPAN, 1);
+    FREED char *seen = calloc(SPAN, 1);
     if (!seen)
         return iso_fail(err, ISO_E_MEMORY, "no memory for labels");
     for (size_t i = 0; i < count; ++i) {
@@ -145,13 +145,11 @@ static iso_status take_labels(const iso_level *l, iso_survey *s, iso_error *err)
     s->label_count = 0;
     s->is_label_map = true;
     s->segments = l->segments;
-    for (int i = 0; i < SPAN && s->is_label_map; ++i) {
+    for (int i = 0; i < SPAN && s->is_label_map; ++i)
         if (seen[i] && s->label_count < ISO_SURVEY_LABELS)
             s->labels[s->label_count++] = i + LEAST;
         else if (seen[i])
             s->is_label_map = false;
-    }
-    free(seen);
     return ISO_OK;
 }
 
@@ -616,7 +614,7 @@ iso_status iso_survey_make(const iso_level *level0, int threads, iso_survey **su
         return iso_fail(err, ISO_E_RANGE, "cannot survey a level without its values");
     size_t count = 0;
     iso_survey *s = calloc(1, sizeof *s);
-    float *sample = sorted_samples(level0, &count);
+    FREED float *sample = sorted_samples(level0, &count);
     iso_status status = s && sample ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory to survey a volume's values");
     if (status == ISO_OK) {
         s->has_no_data = level0->geometry.has_no_data;
@@ -634,6 +632,5 @@ iso_status iso_survey_make(const iso_level *level0, int threads, iso_survey **su
     } else {
         free(s);
     }
-    free(sample);
     return status;
 }

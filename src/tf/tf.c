@@ -116,20 +116,16 @@ json_t *iso_tf_to_json(const iso_tf *tf)
 
 iso_status iso_tf_save_json(const json_t *root, const char *path, iso_error *err)
 {
-    iso_tf read = {0};
-    iso_status status = root ? iso_tf_from_json(root, path, &read, err)
-                             : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a transfer function", path);
-    TRY(status, iso_json_save(path, root, err));
-    iso_tf_destroy(&read);
-    return status;
+    OWNED(iso_tf) read = {0};
+    NEED(root ? iso_tf_from_json(root, path, &read, err)
+              : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a transfer function", path));
+    return iso_json_save(path, root, err);
 }
 
 iso_status iso_tf_save(const iso_tf *tf, const char *path, iso_error *err)
 {
-    json_t *root = iso_tf_to_json(tf);
-    iso_status status = iso_tf_save_json(root, path, err);
-    json_decref(root);
-    return status;
+    json_auto_t *root = iso_tf_to_json(tf);
+    return iso_tf_save_json(root, path, err);
 }
 
 iso_status iso_tf_copy(const iso_tf *from, iso_tf *to, iso_error *err)

@@ -23,7 +23,7 @@ static iso_status exact_lock_step(iso_validation *v, size_t level, const iso_tru
                                   bool *holds, iso_error *err)
 {
     const iso_renderer_info *renderer = opt.renderer;
-    iso_image image = {0};
+    OWNED(iso_image) image = {0};
     char what[64];
     iso_report_agreement row = {.comparison = ISO_COMPARISON_EXACT,
                                 .tier = "lock-step",
@@ -40,7 +40,6 @@ static iso_status exact_lock_step(iso_validation *v, size_t level, const iso_tru
         status = iso_validate_add_row(v, level, &row, same,
                                       &(iso_compared){what, &image, renderer, " --exact-lookups", 0}, err);
     *holds = status == ISO_OK && iso_metrics_within(&row.metrics, &row.tolerances);
-    iso_image_destroy(&image);
     return status;
 }
 
@@ -188,7 +187,7 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
     TRY(status, iso_validate_add_image(v, a.image_name, &a.image, a.name, err));
     snprintf(options, sizeof options, " --isosurface %.9g", opt.iso);
     for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
-        iso_image image = {0};
+        OWNED(iso_image) image = {0};
         /* A ray that grazes the surface hits it in one arithmetic and misses it in another: a few pixels may. */
         const iso_renderer_info *renderer = iso_renderer_at(i);
         iso_report_agreement row = {.comparison = ISO_COMPARISON_FIRST_HIT,
@@ -212,7 +211,6 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
         else
             status = iso_validate_add_row(v, level, &row, &a,
                                           &(iso_compared){renderer->name, &image, renderer, options, 0}, err);
-        iso_image_destroy(&image);
     }
     iso_image_destroy(&a.image);
     return status;

@@ -26,10 +26,9 @@ void iso_validate_name_image(const iso_validation *v, size_t level, const char *
 iso_status iso_validate_add_image(iso_validation *v, const char *name, const iso_image *image, const char *caption,
                                   iso_error *err)
 {
-    iso_status status = iso_report_add_image(v->report, name, image, caption, NULL, err);
-    if (status == ISO_OK)
-        iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(v->view, &v->pyramid->levels[0].geometry));
-    return status;
+    NEED(iso_report_add_image(v->report, name, image, caption, NULL, err));
+    iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(v->view, &v->pyramid->levels[0].geometry));
+    return ISO_OK;
 }
 
 /* Starts a row: its name for the progress line, and its clock. */
@@ -182,35 +181,30 @@ iso_status iso_validate_render_reference(iso_validation *v, size_t level, iso_qu
     opt.intervals = intervals;
     opt.threads = v->threads;
     opt.stats = &stats;
-    const iso_status status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt,
-                                                                    v->progress},
-                                              image, NULL, err);
-    if (status == ISO_OK && stats.error > 0) {
+    NEED(iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress}, image,
+                         NULL, err));
+    if (stats.error > 0) {
         char name[96];
         iso_validate_name_image(v, level, iso_direction_source_name(source), name);
         iso_report_put(v->report, "reference", name,
                        json_pack("{s:f, s:b}", "error_bound", stats.error, "error_bound_is_proved",
                                  (int)stats.is_proved));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Compares the reference, whose own tolerance is 1e-6 per pixel, with the formula. Images are float. */
 static iso_status check_reference(iso_validation *v, size_t level, const iso_truth *formula, iso_error *err)
 {
-    iso_image image = {0};
+    OWNED(iso_image) image = {0};
     iso_report_agreement row = {.comparison = ISO_COMPARISON_CLOSED_FORM,
                                 .tier = iso_tier_name(ISO_TIER_CLOSED_FORM),
                                 .error_bar = NAN,
                                 .tolerances = {.max_abs = 5e-6},
                                 .why = v->scene->agreement.why};
-    iso_status status = iso_validate_render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &image,
-                                                      err);
-    if (status == ISO_OK)
-        status = iso_validate_add_row(v, level, &row, formula,
-                                      &(iso_compared){"reference", &image, iso_renderers_reference(), "", 0}, err);
-    iso_image_destroy(&image);
-    return status;
+    NEED(iso_validate_render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &image, err));
+    return iso_validate_add_row(v, level, &row, formula,
+                                &(iso_compared){"reference", &image, iso_renderers_reference(), "", 0}, err);
 }
 
 bool iso_validate_has_no_formula(const iso_validation *v, size_t level, iso_error *why)

@@ -62,19 +62,15 @@ static void collect_angles(const iso_validation *v, size_t level, const iso_samp
 /* Measures the angles. *out has to be destroyed, also after a failure. */
 static iso_status measure(const iso_validation *v, size_t level, iso_angles_of of, angles *out, iso_error *err)
 {
-    iso_sampler fine, coarse = {0};
+    OWNED(iso_sampler) fine = {0}, coarse = {0};
     const iso_geometry *g = &v->pyramid->levels[0].geometry;
     const size_t total = iso_geometry_voxel_count(g), stride = total / WANTED | 1;
     *out = (angles){0};
-    iso_status status = iso_sampler_create(&fine, &v->pyramid->levels[0], v->pyramid->options.code, ISO_FROM_CODES,
-                                           err);
-    TRY(status, iso_sampler_create(&coarse, &of.pyramid->levels[level], of.pyramid->options.code, of.source, err));
-    TRY(status, create_angles(out, g, level, total / stride + 1, err));
-    if (status == ISO_OK)
-        collect_angles(v, level, &fine, &coarse, stride, out);
-    iso_sampler_destroy(&fine);
-    iso_sampler_destroy(&coarse);
-    return status;
+    NEED(iso_sampler_create(&fine, &v->pyramid->levels[0], v->pyramid->options.code, ISO_FROM_CODES, err));
+    NEED(iso_sampler_create(&coarse, &of.pyramid->levels[level], of.pyramid->options.code, of.source, err));
+    NEED(create_angles(out, g, level, total / stride + 1, err));
+    collect_angles(v, level, &fine, &coarse, stride, out);
+    return ISO_OK;
 }
 
 iso_status iso_validate_angles(const iso_validation *v, const iso_pyramid *p, size_t level, iso_direction_source source,

@@ -41,9 +41,9 @@ static iso_status view_of_level(const iso_export_job *job, size_t level, iso_vie
 static iso_status export_and_open(const iso_artefact *a, const char *here, const char *there, iso_image *picture,
                                   const iso_progress *progress, iso_error *err)
 {
-    iso_view view;
-    iso_status status = copy_view(a->planted_view ? a->planted_view : a->view, &view, err);
-    char *first = iso_path_join(here, a->target->example), *moved = iso_path_join(there, a->target->example);
+    OWNED(iso_view) view = {0};
+    NEED(copy_view(a->planted_view ? a->planted_view : a->view, &view, err));
+    FREED char *first = iso_path_join(here, a->target->example), *moved = iso_path_join(there, a->target->example);
     const iso_export_job job = {.pyramid = a->pyramid,
                                 .level = a->level,
                                 .level_count = 1,
@@ -53,18 +53,14 @@ static iso_status export_and_open(const iso_artefact *a, const char *here, const
                                 .progress = progress,
                                 .view_of_level = view_of_level,
                                 .user = &view};
-    if (status == ISO_OK && !(first && moved))
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, a->target->write(&job, err));
-    if (status == ISO_OK && a->tamper)
+    if (!(first && moved))
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED(a->target->write(&job, err));
+    if (a->tamper)
         a->tamper(first);
-    if (status == ISO_OK && rename(here, there) != 0)
-        status = iso_fail(err, ISO_E_IO, "%s: cannot be moved to %s", here, there);
-    TRY(status, a->target->open(moved, picture, err));
-    free(first);
-    free(moved);
-    iso_view_destroy(&view);
-    return status;
+    if (rename(here, there) != 0)
+        return iso_fail(err, ISO_E_IO, "%s: cannot be moved to %s", here, there);
+    return a->target->open(moved, picture, err);
 }
 
 /* ---- expected picture ---- */
@@ -92,8 +88,8 @@ iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a,
                                 const iso_progress *progress, iso_error *err)
 {
     iso_error failed = {""};
-    char *base = iso_make_temp_dir(), *here = base ? iso_path_join(base, "here") : NULL,
-         *there = base ? iso_path_join(base, "there") : NULL;
+    FREED char *base = iso_make_temp_dir(), *here = base ? iso_path_join(base, "here") : NULL,
+               *there = base ? iso_path_join(base, "there") : NULL;
     *out = (iso_artefact_result){.value = NAN,
                                  .limit = a->target->limit,
                                  .unit = "RMSE"};
@@ -119,9 +115,6 @@ iso_status iso_artefact_compare(iso_renderers *renderers, const iso_artefact *a,
     }
     if (base)
         iso_remove_tree(base);
-    free(base);
-    free(here);
-    free(there);
     return status;
 }
 

@@ -42,10 +42,10 @@ iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, co
                                      iso_image *image, iso_error *err)
 {
     const iso_level_tf *own = &v->level_tfs[s->level];
-    iso_view view = {0};
+    OWNED(iso_view) view = {0};
     iso_render_options opt = iso_render_defaults(iso_renderers_usual());
     opt.source = s->method->source;
-    iso_status status = iso_validate_level_view(v, i, &view, err);
+    NEED(iso_validate_level_view(v, i, &view, err));
     iso_view shown = view; /* borrowed */
     if (s->use != ISO_USE_ORIGINAL)
         shown.tf = s->use == ISO_USE_SCALED ? own->scaled_table : own->table;
@@ -53,22 +53,17 @@ iso_status iso_validate_render_level(iso_validation *v, const iso_pyramid *p, co
         shown.extinction_scale = own->extinction_scale;
     else if ((s->use == ISO_USE_ADAPTED && p == v->pyramid) || v->pyramid->levels[0].geometry.has_no_data)
         shown.extinction_scale = (uint8_t *)(uintptr_t)own->own_scale; /* borrowed */
-    if (status == ISO_OK)
-        status = iso_render_with(&(iso_render_request){&v->renderers, p, s->level, &shown, &opt, NULL}, image, NULL,
-                                 err);
-    iso_view_destroy(&view);
-    return status;
+    return iso_render_with(&(iso_render_request){&v->renderers, p, s->level, &shown, &opt, NULL}, image, NULL, err);
 }
 
 /* Adds a picture of the first view to the report. */
 static iso_status add_picture(const iso_validation *v, const char *name, const iso_image *image, const char *caption,
                               iso_error *err)
 {
-    iso_view view;
+    OWNED(iso_view) view = {0};
     NEED(iso_report_add_image(v->report, name, image, caption, NULL, err));
     NEED(iso_validate_level_view(v, 0, &view, err));
     iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(&view, &v->pyramid->levels[0].geometry));
-    iso_view_destroy(&view);
     return ISO_OK;
 }
 
@@ -94,13 +89,11 @@ static iso_status draw_share(iso_validation *v, levels_run *run, const iso_pyram
                              iso_error *err)
 {
     const iso_picture_share share = iso_picture_store_share(v->renderers.store, v->consistency_views);
-    iso_status status = ISO_OK;
-    for (size_t i = share.first; i < share.end && status == ISO_OK && may_draw(v, run); ++i) {
-        iso_image image = {0};
-        status = iso_validate_render_level(v, p, views, i, &image, err);
-        iso_image_destroy(&image);
+    for (size_t i = share.first; i < share.end && may_draw(v, run); ++i) {
+        OWNED(iso_image) image = {0};
+        NEED(iso_validate_render_level(v, p, views, i, &image, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Measures the figures of all views, and adds the picture row->image of the first. */
@@ -110,7 +103,7 @@ static iso_status measure_images(iso_validation *v, levels_run *run, const iso_p
     iso_status status = draw_share(v, run, p, views, err);
     row->ssim_dissimilarity_mean = row->flip_mean = row->rmse_mean = 0;
     for (size_t i = 0; i < v->consistency_views && status == ISO_OK && may_draw(v, run); ++i) {
-        iso_image image = {0};
+        OWNED(iso_image) image = {0};
         iso_metrics metrics;
         status = iso_validate_render_level(v, p, views, i, &image, err);
         TRY(status, iso_metrics_measure(&run->finest[i], &image, &metrics, err));
@@ -128,7 +121,6 @@ static iso_status measure_images(iso_validation *v, levels_run *run, const iso_p
             views->figures[ISO_LEVEL_FLIP][i] = metrics.flip_mean;
             views->figures[ISO_LEVEL_RMSE][i] = metrics.rmse;
         }
-        iso_image_destroy(&image);
     }
     return status;
 }
@@ -156,7 +148,6 @@ static iso_status measure_adapted(iso_validation *v, levels_run *run, const iso_
 {
     const iso_adapt_judgment *judgment = &v->level_tfs[row.level].judgment;
     char name[64], why[224];
-    iso_status status = ISO_OK;
     row.adapted = true;
     views.use = ISO_USE_ADAPTED;
     if (judgment->use_original) {
@@ -175,9 +166,9 @@ static iso_status measure_adapted(iso_validation *v, levels_run *run, const iso_
     } else {
         snprintf(name, sizeof name, "consistency-%s-adapted-level-%zu", row.method, row.level);
         row.image = name;
-        status = measure_images(v, run, p, &row, &views, err);
+        NEED(measure_images(v, run, p, &row, &views, err));
     }
-    return status == ISO_OK ? keep(v, run, &row, &views, err) : status;
+    return keep(v, run, &row, &views, err);
 }
 
 static bool has_scaled_row(const iso_validation *v, const levels_run *run, const iso_method *m)
@@ -252,23 +243,20 @@ iso_status iso_validate_build_with(const iso_validation *v, iso_direction_filter
  * another method shows it as well. */
 static iso_status measure_method(iso_validation *v, levels_run *run, const iso_method *m, iso_error *err)
 {
-    iso_pyramid other = {0};
+    OWNED(iso_pyramid) other = {0};
     const iso_pyramid *p = m == run->measured.own ? v->pyramid : m->source == ISO_FROM_CODES ? &other : run->rebuilt;
-    iso_status status = ISO_OK;
     run->late = run->late || iso_validate_is_out_of_time(v);
     if (p == &other && !run->late)
-        status = iso_validate_build_with(v, m->filter, &other, err);
-    for (size_t level = 1; level < v->pyramid->level_count && status == ISO_OK && !run->late; ++level)
-        status = measure_level(v, run, p, level, m, err);
-    iso_pyramid_destroy(&other);
-    return status;
+        NEED(iso_validate_build_with(v, m->filter, &other, err));
+    for (size_t level = 1; level < v->pyramid->level_count && !run->late; ++level)
+        NEED(measure_level(v, run, p, level, m, err));
+    return ISO_OK;
 }
 
 /* Measures the methods of the table, and `own` if none of them has the pyramid's filter. */
 static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_method *own, iso_error *err)
 {
     iso_measured *all = &run->measured;
-    iso_status status = ISO_OK;
     all->own = own;
     for (size_t i = 0; i < iso_method_count; ++i) {
         const iso_method *m = &iso_methods[i];
@@ -281,14 +269,12 @@ static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_
     all->levels = calloc(all->room, sizeof *all->levels);
     if (!all->levels)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu rows of levels", all->room);
-    for (size_t i = 0; i < iso_method_count && status == ISO_OK; ++i)
-        status = measure_method(v, run, &iso_methods[i], err);
-    if (status == ISO_OK && all->own == own)
-        status = measure_method(v, run, own, err);
+    for (size_t i = 0; i < iso_method_count; ++i)
+        NEED(measure_method(v, run, &iso_methods[i], err));
+    if (all->own == own)
+        NEED(measure_method(v, run, own, err));
     /* Reports the figures that auto chose by, so that a wrong choice shows. */
-    if (status == ISO_OK && own->filter == ISO_DIRECTION_AUTO)
-        status = measure_method(v, run, &tensor, err);
-    return status;
+    return own->filter == ISO_DIRECTION_AUTO ? measure_method(v, run, &tensor, err) : ISO_OK;
 }
 
 /* ---- levels that the views leave open ---- */

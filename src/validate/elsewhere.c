@@ -52,19 +52,15 @@ static iso_status write_request(const iso_elsewhere *e, const iso_pyramid *p, si
     const iso_request request = {
         .scene = scene, .pyramid = p, .level = level, .view = view, .frames = w->frames, .frame_count = w->count};
     iso_picture_folder(scene, level, folder);
-    char *path = iso_path_join(e->dir, folder);
-    iso_status status = path && mkdir(path, 0777) == 0
-                            ? ISO_OK
-                            : iso_fail(err, iso_errno_status(), "%s/%s: cannot be created: %s", e->dir, folder,
-                                       strerror(errno));
-    TRY(status, iso_request_write(&request, path, err));
-    if (status == ISO_OK)
-        json_array_append_new(e->pictures,
-                              json_pack("{s:s, s:s, s:I, s:[I,I], s:o}", "folder", folder, "scene", scene, "level",
-                                        (json_int_t)level, "size", (json_int_t)view->width, (json_int_t)view->height,
-                                        "files", wanted_json(w, view, &p->levels[level])));
-    free(path);
-    return status;
+    FREED char *path = iso_path_join(e->dir, folder);
+    if (!path || mkdir(path, 0777) != 0)
+        return iso_fail(err, iso_errno_status(), "%s/%s: cannot be created: %s", e->dir, folder, strerror(errno));
+    NEED(iso_request_write(&request, path, err));
+    json_array_append_new(e->pictures,
+                          json_pack("{s:s, s:s, s:I, s:[I,I], s:o}", "folder", folder, "scene", scene, "level",
+                                    (json_int_t)level, "size", (json_int_t)view->width, (json_int_t)view->height,
+                                    "files", wanted_json(w, view, &p->levels[level])));
+    return ISO_OK;
 }
 
 /* Requests steps, each half the one before. The first two are those with which the search for a limit begins. */
@@ -91,7 +87,6 @@ iso_status iso_elsewhere_write_scene(const iso_elsewhere *e, const iso_pyramid *
     iso_scene_agreement asked = scene->agreement;
     const char *why = why_left_out(scene, view);
     wanted w = {.count = 0};
-    iso_status status = ISO_OK;
     if (why) {
         json_array_append_new(e->left_out, json_pack("{s:s, s:s}", "scene", name, "why", why));
         return ISO_OK;
@@ -100,9 +95,9 @@ iso_status iso_elsewhere_write_scene(const iso_elsewhere *e, const iso_pyramid *
     if (strcmp(e->tier, "limit") != 0)
         want(&w, 0);
     want_steps(e, &asked, &w);
-    for (size_t level = 0; level < p->level_count && status == ISO_OK; ++level)
-        status = write_request(e, p, level, view, name, &w, err);
-    return status;
+    for (size_t level = 0; level < p->level_count; ++level)
+        NEED(write_request(e, p, level, view, name, &w, err));
+    return ISO_OK;
 }
 
 /* ---- calibrations: a renderer that writes requests and draws nothing ---- */
@@ -126,23 +121,19 @@ iso_status iso_elsewhere_write_calibrations(const iso_elsewhere *e, iso_error *e
                                       .render = write_instead};
     iso_calibration unused;
     iso_renderers renderers = {0};
-    iso_status status = ISO_OK;
-    for (int i = 0; i < ISO_CALIBRATION_COUNT && status == ISO_OK; ++i)
-        status = iso_calibrate_check(&renderers, &writer, NULL, i, &unused, err);
-    return status;
+    for (int i = 0; i < ISO_CALIBRATION_COUNT; ++i)
+        NEED(iso_calibrate_check(&renderers, &writer, NULL, i, &unused, err));
+    return ISO_OK;
 }
 
 /* ---- the index, and the text for people ---- */
 
 static iso_status write_index(const iso_elsewhere *e, const char *command, iso_error *err)
 {
-    char *path = iso_path_join(e->dir, ISO_PICTURES_INDEX);
-    json_t *root = json_pack("{s:s, s:s, s:s, s:I, s:O}", "schema", ISO_PICTURES_SCHEMA, "command", command, "tier",
-                             e->tier, "steps", (json_int_t)e->steps, "pictures", e->pictures);
-    iso_status status = path && root ? iso_json_save(path, root, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    json_decref(root);
-    free(path);
-    return status;
+    FREED char *path = iso_path_join(e->dir, ISO_PICTURES_INDEX);
+    json_auto_t *root = json_pack("{s:s, s:s, s:s, s:I, s:O}", "schema", ISO_PICTURES_SCHEMA, "command", command,
+                                  "tier", e->tier, "steps", (json_int_t)e->steps, "pictures", e->pictures);
+    return path && root ? iso_json_save(path, root, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
 }
 
 static void put_wanted(FILE *f, const json_t *pictures)
@@ -193,7 +184,7 @@ static void put_readme(FILE *f, const iso_elsewhere *e, const char *validate)
 
 iso_status iso_elsewhere_finish(const iso_elsewhere *e, const char *command, const char *validate, iso_error *err)
 {
-    char *path = iso_path_join(e->dir, "README.txt"), *text = NULL;
+    FREED char *path = iso_path_join(e->dir, "README.txt"), *text = NULL;
     size_t size = 0;
     FILE *f = path ? open_memstream(&text, &size) : NULL;
     iso_status status = f ? write_index(e, command, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
@@ -203,7 +194,5 @@ iso_status iso_elsewhere_finish(const iso_elsewhere *e, const char *command, con
             status = iso_fail(err, ISO_E_MEMORY, "out of memory");
     }
     TRY(status, iso_file_write(path, text, size, err));
-    free(text);
-    free(path);
     return status;
 }

@@ -28,8 +28,8 @@ static void report_progress(const iso_validation *v, size_t level, double done)
 static iso_status bound_view(const iso_validation *v, size_t level, bool adapted, size_t number, double *rmse,
                              iso_error *err)
 {
-    iso_view view = {0};
-    iso_status status = iso_validate_level_view(v, number, &view, err);
+    OWNED(iso_view) view = {0};
+    NEED(iso_validate_level_view(v, number, &view, err));
     const iso_image_bound_input in = {.fine = &v->pyramid->levels[0],
                                       .coarse = &v->pyramid->levels[level],
                                       .level = level,
@@ -39,23 +39,19 @@ static iso_status bound_view(const iso_validation *v, size_t level, bool adapted
                                       .coarse_tf = adapted ? &v->level_tfs[level].table : &view.tf,
                                       .threads = v->threads,
                                       .deadline = v->deadline};
-    TRY(status, iso_image_bound_rmse(&in, rmse, err));
-    iso_view_destroy(&view);
-    return status;
+    return iso_image_bound_rmse(&in, rmse, err);
 }
 
 /* Draws level 0 and the level in view i, and measures the RMSE. */
 static iso_status measure_view(iso_validation *v, const iso_measured_level *own, size_t i, double *rmse, iso_error *err)
 {
-    iso_image fine = {0}, coarse = {0};
+    OWNED(iso_image) fine = {0}, coarse = {0};
     iso_metrics metrics = {0};
     iso_status status = iso_validate_render_level(v, v->pyramid, &(iso_measured_level){.method = &iso_method_stored}, i,
                                                   &fine, err);
     TRY(status, iso_validate_render_level(v, v->pyramid, own, i, &coarse, err));
     TRY(status, iso_metrics_measure(&fine, &coarse, &metrics, err));
     *rmse = metrics.rmse;
-    iso_image_destroy(&fine);
-    iso_image_destroy(&coarse);
     return status;
 }
 

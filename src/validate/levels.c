@@ -48,13 +48,12 @@ static iso_status add_joint_to_report(iso_validation *v, const iso_joint_check *
 
 static iso_status verify_joints(iso_validation *v, iso_error *err)
 {
-    iso_joint_check *checks = NULL;
+    FREED iso_joint_check *checks = NULL;
     size_t count = 0;
-    iso_status status = iso_joint_verify(v->pyramid, v->volume_path, v->threads, &checks, &count, v->progress, err);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = add_joint_to_report(v, &checks[i], err);
-    free(checks);
-    return status;
+    NEED(iso_joint_verify(v->pyramid, v->volume_path, v->threads, &checks, &count, v->progress, err));
+    for (size_t i = 0; i < count; ++i)
+        NEED(add_joint_to_report(v, &checks[i], err));
+    return ISO_OK;
 }
 
 iso_status iso_validate_levels(iso_validation *v, iso_error *err)

@@ -162,13 +162,10 @@ static iso_status extrapolate_pair(const iso_render_request *what, const step_pa
                                      .unsteady = unsteady->rgba ? unsteady : NULL,
                                      .keep = opt->keep};
     const iso_extrapolated about = *out;
-    iso_status status = iso_extrapolate(&input, out, err);
-    if (status != ISO_OK || pair->seeds < 2 || out->noise.rejected == 0 || input.unsteady || !opt->truth ||
-        !isfinite(out->step_bar))
-        return status;
-    status = measure_unsteadiness(what, opt->truth, unsteady, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_extrapolate(&input, out, err));
+    if (pair->seeds < 2 || out->noise.rejected == 0 || input.unsteady || !opt->truth || !isfinite(out->step_bar))
+        return ISO_OK;
+    NEED(measure_unsteadiness(what, opt->truth, unsteady, err));
     input.unsteady = unsteady;
     iso_extrapolated_destroy(out);
     *out = about;

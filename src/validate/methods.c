@@ -151,7 +151,7 @@ iso_status iso_validate_methods(iso_validation *v, iso_error *err)
     iso_status status = ISO_OK;
     for (size_t i = 0; i < iso_method_count && status == ISO_OK; ++i) {
         const iso_method *m = &iso_methods[i];
-        iso_pyramid own = {0};
+        OWNED(iso_pyramid) own = {0};
         const iso_pyramid *p = v->pyramid;
         iso_progress_report(v->progress, m->name, 0);
         if (iso_validate_is_out_of_time(v)) {
@@ -164,7 +164,6 @@ iso_status iso_validate_methods(iso_validation *v, iso_error *err)
         }
         if (status == ISO_OK)
             status = iso_validate_each(v, p->level_count, all_tfs, &(made_pyramid){m, p}, err);
-        iso_pyramid_destroy(&own);
     }
     return status;
 }

@@ -244,7 +244,7 @@ iso_status iso_validate_renderers(iso_validation *v, iso_error *err)
     fitness all[ISO_MAX_RENDERERS];
     size_t count = 0;
     iso_status status = find_renderers(v, all, &count, err);
-    examination *list = calloc(count * ISO_CALIBRATION_COUNT + 1, sizeof *list);
+    FREED examination *list = calloc(count * ISO_CALIBRATION_COUNT + 1, sizeof *list);
     if (!list)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     const size_t n = status == ISO_OK ? list_examinations(v, all, count, list) : 0;
@@ -252,6 +252,5 @@ iso_status iso_validate_renderers(iso_validation *v, iso_error *err)
     TRY(status, sum_up(list, n, err));
     for (size_t i = 0; i < count && status == ISO_OK; ++i)
         status = add_to_report(v, &all[i], err);
-    free(list);
     return status;
 }

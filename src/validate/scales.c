@@ -19,15 +19,14 @@ static iso_status make_table(const iso_validation *v, size_t level, iso_tf_table
 
 iso_status iso_validate_scale(iso_validation *v, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t level = 1; v->scales != ISO_SCALES_NONE && level < v->pyramid->level_count && status == ISO_OK; ++level) {
+    for (size_t level = 1; v->scales != ISO_SCALES_NONE && level < v->pyramid->level_count; ++level) {
         iso_level_tf *own = &v->level_tfs[level];
         iso_progress_report(v->progress, "extinction scales", (double)level / (double)v->pyramid->level_count);
-        status = make_table(v, level, &own->scaled_table, err);
-        TRY(status, iso_extinction_scale_level(v->pyramid, level, &v->view->tf, &own->scaled_table, v->threads,
-                                               &own->extinction_scale, err));
+        NEED(make_table(v, level, &own->scaled_table, err));
+        NEED(iso_extinction_scale_level(v->pyramid, level, &v->view->tf, &own->scaled_table, v->threads,
+                                        &own->extinction_scale, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Counts voxels whose byte differs from the one that level 0 makes. */
@@ -36,15 +35,13 @@ static iso_status compare_with_made(const iso_validation *v, const iso_pyramid *
 {
     const iso_level_tf *own = &v->level_tfs[row->level];
     const size_t count = iso_geometry_voxel_count(&v->pyramid->levels[row->level].geometry);
-    uint8_t *made = NULL;
-    const iso_status status = iso_extinction_scale_level(rebuilt, row->level, &v->view->tf, &own->scaled_table,
-                                                         v->threads, &made, err);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+    FREED uint8_t *made = NULL;
+    NEED(iso_extinction_scale_level(rebuilt, row->level, &v->view->tf, &own->scaled_table, v->threads, &made, err));
+    for (size_t i = 0; i < count; ++i) {
         row->scale.differing += own->extinction_scale[i] != made[i];
         row->scale.scaled += made[i] != ISO_EXTINCTION_SCALE_ONE;
     }
-    free(made);
-    return status;
+    return ISO_OK;
 }
 
 /* Sets *effect if view i differs from the same view without a scale, which is a scale of 1 everywhere. */
@@ -52,15 +49,13 @@ static iso_status has_effect(iso_validation *v, size_t level, size_t i, bool *ef
 {
     const iso_measured_level shown = {.level = level, .method = &iso_method_stored, .use = ISO_USE_SCALED};
     uint8_t *bytes = v->level_tfs[level].extinction_scale;
-    iso_image with = {0}, without = {0};
+    OWNED(iso_image) with = {0}, without = {0};
     iso_status status = iso_validate_render_level(v, v->pyramid, &shown, i, &with, err);
     v->level_tfs[level].extinction_scale = NULL;
     TRY(status, iso_validate_render_level(v, v->pyramid, &shown, i, &without, err));
     v->level_tfs[level].extinction_scale = bytes;
     if (status == ISO_OK)
         *effect = memcmp(with.rgba, without.rgba, 4 * with.width * with.height * sizeof *with.rgba) != 0;
-    iso_image_destroy(&with);
-    iso_image_destroy(&without);
     return status;
 }
 

@@ -69,9 +69,10 @@ static iso_status validate_scene(iso_validation *v, const iso_suite_options *opt
 
 static iso_status load_and_validate(iso_validation *v, const suite_run *run, size_t i, iso_error *err)
 {
-    iso_scene scene = {0};
+    OWNED(iso_scene) scene = {0};
     const char *file = run->entries[i]->d_name;
-    char *name = iso_provenance_scene(file, i + 1), *path = iso_path_join(run->options->folder, file), *volume = NULL;
+    FREED char *name = iso_provenance_scene(file, i + 1), *path = iso_path_join(run->options->folder, file),
+               *volume = NULL;
     double start = iso_clock_seconds();
     if (asprintf(&volume, "%s/volume-%zu.nrrd", run->scratch, i) < 0)
         volume = NULL;
@@ -85,10 +86,6 @@ static iso_status load_and_validate(iso_validation *v, const suite_run *run, siz
     if (status == ISO_OK)
         iso_report_put(v->report, "seconds", name, json_real(iso_clock_seconds() - start));
     v->scene_name = v->scene_path = NULL;
-    iso_scene_destroy(&scene);
-    free(volume);
-    free(path);
-    free(name);
     return status;
 }
 
@@ -118,7 +115,7 @@ iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, i
     int count = scandir(opt->folder, &run.entries, is_scene, alphasort);
     if (count < 0)
         return iso_fail(err, iso_errno_status(), "%s: cannot be listed: %s", opt->folder, strerror(errno));
-    char *scratch = iso_make_temp_dir();
+    FREED char *scratch = iso_make_temp_dir();
     iso_status status = ISO_OK;
     run.scratch = scratch;
     if (count == 0)
@@ -133,6 +130,5 @@ iso_status iso_validate_suite(iso_validation *v, const iso_suite_options *opt, i
     free(run.entries);
     if (scratch)
         iso_remove_tree(scratch);
-    free(scratch);
     return status;
 }

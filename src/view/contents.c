@@ -146,7 +146,7 @@ static iso_status add_code(const iso_viewer *v, size_t k, iso_code code, iso_con
     const iso_level *level = &v->pyramid->levels[k];
     const iso_code_info *info = iso_code_describe(code);
     const size_t count = iso_geometry_voxel_count(&level->geometry);
-    uint8_t *made = NULL;
+    FREED uint8_t *made = NULL;
     char name[48];
     if (code != v->pyramid->options.code) {
         if (!level->directions || !info->is_textured)
@@ -160,20 +160,17 @@ static iso_status add_code(const iso_viewer *v, size_t k, iso_code code, iso_con
     snprintf(name, sizeof name, "level-%zu-%s", k, info->name);
     json_t *json = iso_contents_code_json(code);
     json_array_append_new(list, json);
-    iso_status status = iso_contents_add_array(contents, name,
-                                  &(iso_pack_array){count, 3, 1, code_byte, made ? made : level->codes}, json, err);
-    free(made);
-    return status;
+    return iso_contents_add_array(contents, name, &(iso_pack_array){count, 3, 1, code_byte, made ? made : level->codes},
+                                  json, err);
 }
 
 static iso_status add_codes(const iso_viewer *v, size_t k, iso_contents *contents, json_t *json, iso_error *err)
 {
     json_t *list = json_array();
-    iso_status status = ISO_OK;
     json_object_set_new(json, "codes", list);
-    for (size_t i = 0; i < v->code_count && status == ISO_OK; ++i)
-        status = add_code(v, k, v->codes[i], contents, list, err);
-    return status;
+    for (size_t i = 0; i < v->code_count; ++i)
+        NEED(add_code(v, k, v->codes[i], contents, list, err));
+    return ISO_OK;
 }
 
 /* ---- joint histograms --------------------------------------------------------------------------------------------- */
@@ -186,14 +183,14 @@ static json_t *bins_json(const iso_bins *bins)
 /* Adds a joint histogram, in words: the number of entries of each row, then each entry's bin, then its count. */
 static iso_status add_joint(const iso_viewer *v, size_t k, iso_contents *contents, json_t *json, iso_error *err)
 {
-    iso_joint joint = {0};
+    OWNED(iso_joint) joint = {0};
     const iso_joint_key key = {k, 8, ISO_SECOND_VALUE_NONE};
     char name[48];
     if (k == 0 || v->pyramid->levels[0].labels || !v->pyramid->levels[0].scalar)
         return ISO_OK;
     NEED(iso_joint_obtain(v->pyramid, v->folder, &key, v->threads, &joint, err));
     const size_t rows = joint.s.count, entries = joint.entry_count;
-    uint32_t *words = malloc((rows + 2 * entries + 1) * sizeof *words);
+    FREED uint32_t *words = malloc((rows + 2 * entries + 1) * sizeof *words);
     for (size_t i = 0; words && i < rows; ++i)
         words[i] = (uint32_t)(joint.row_start[i + 1] - joint.row_start[i]);
     for (size_t i = 0; words && i < entries; ++i) {
@@ -204,13 +201,9 @@ static iso_status add_joint(const iso_viewer *v, size_t k, iso_contents *content
                                (json_int_t)entries);
     json_object_set_new(json, "joint", object);
     snprintf(name, sizeof name, "level-%zu-joint", k);
-    iso_status status = words ? iso_contents_add_array(contents, name,
-                                                       &(iso_pack_array){rows + 2 * entries, 1, 4, word, words}, object,
-                                                       err)
-                              : iso_fail(err, ISO_E_MEMORY, "no memory for a joint histogram of %zu entries", entries);
-    free(words);
-    iso_joint_destroy(&joint);
-    return status;
+    return words ? iso_contents_add_array(contents, name, &(iso_pack_array){rows + 2 * entries, 1, 4, word, words},
+                                          object, err)
+                 : iso_fail(err, ISO_E_MEMORY, "no memory for a joint histogram of %zu entries", entries);
 }
 
 /* ---- error of coarse levels -------------------------------------------------------------------------------------- */
@@ -223,25 +216,23 @@ static iso_status add_errors(const iso_viewer *v, size_t k, iso_small_views_fine
     const iso_level *level0 = &v->pyramid->levels[0];
     iso_adapt_options opt = iso_adapt_defaults();
     iso_adapt_judgment judgment = {0};
-    iso_tf_table table = {0}, adapted = {0};
+    OWNED(iso_tf_table) table = {0}, adapted = {0};
     if (k == 0 || level0->labels || !level0->scalar || !(v->errors || k == v->first))
         return ISO_OK;
     opt.threads = v->threads;
     opt.folder = v->folder;
     opt.level_0 = kept;
-    iso_status status = iso_tf_tabulate(&v->scene->tf, iso_pyramid_lo(v->pyramid), iso_pyramid_hi(v->pyramid),
-                                        &level0->geometry, &table, err);
-    TRY(status, iso_adapt_level(v->pyramid, k, &table, &opt, &adapted, &judgment, err));
-    if (status == ISO_OK && judgment.seen)
+    NEED(iso_tf_tabulate(&v->scene->tf, iso_pyramid_lo(v->pyramid), iso_pyramid_hi(v->pyramid), &level0->geometry,
+                         &table, err));
+    NEED(iso_adapt_level(v->pyramid, k, &table, &opt, &adapted, &judgment, err));
+    if (judgment.seen)
         json_object_set_new(json, "seen",
                             json_pack("{s:f, s:f, s:f, s:f, s:b}", "rmse", judgment.seen_original.rmse,
                                       "ssim_dissimilarity", judgment.seen_original.ssim_dissimilarity, "rmse_adapted",
                                       judgment.seen_adapted.rmse, "ssim_dissimilarity_adapted",
                                       judgment.seen_adapted.ssim_dissimilarity, "adapting_helps",
                                       !judgment.use_original));
-    iso_tf_table_destroy(&adapted);
-    iso_tf_table_destroy(&table);
-    return status;
+    return ISO_OK;
 }
 
 /* ---- levels ------------------------------------------------------------------------------------------------------- */
@@ -275,12 +266,11 @@ static iso_status add_level(const iso_viewer *v, size_t k, iso_small_views_fine 
     char name[48];
     snprintf(name, sizeof name, "level-%zu-scalar", k);
     json_array_append_new(list, json);
-    iso_status status = add_scalar(level, v->floats, name, contents, json, err);
-    TRY(status, add_share(v, k, contents, json, err));
-    TRY(status, add_codes(v, k, contents, json, err));
-    TRY(status, add_joint(v, k, contents, json, err));
-    TRY(status, add_errors(v, k, kept, json, err));
-    return status;
+    NEED(add_scalar(level, v->floats, name, contents, json, err));
+    NEED(add_share(v, k, contents, json, err));
+    NEED(add_codes(v, k, contents, json, err));
+    NEED(add_joint(v, k, contents, json, err));
+    return add_errors(v, k, kept, json, err);
 }
 
 /* Adds the second volume, without directions. */
@@ -298,24 +288,20 @@ static iso_status add_overlay(const iso_viewer *v, iso_contents *contents, iso_e
 static iso_status add_presets(const iso_viewer *v, json_t *root, iso_error *err)
 {
     const iso_level *level0 = &v->pyramid->levels[0], *seen = iso_pyramid_finest(v->pyramid);
-    iso_survey *survey = NULL;
+    FREED iso_survey *survey = NULL;
     json_t *list = json_array();
     json_object_set_new(root, "presets", list);
     if (seen->labels || !seen->scalar)
         return ISO_OK;
-    iso_status status = iso_survey_make(seen, v->threads, &survey, err);
-    for (size_t row = 0; row < iso_tf_preset_names.count && status == ISO_OK; ++row) {
-        iso_tf tf = {0};
+    NEED(iso_survey_make(seen, v->threads, &survey, err));
+    for (size_t row = 0; row < iso_tf_preset_names.count; ++row) {
+        OWNED(iso_tf) tf = {0};
         const char *name = iso_names_name(&iso_tf_preset_names, row);
-        status = iso_tf_of_level(name, &(iso_tf_request){0}, survey, level0, v->threads, &tf, err);
-        if (status == ISO_OK)
-            json_array_append_new(list, json_pack("{s:s, s:s, s:o}", "name", name, "summary",
-                                                  iso_names_summary(&iso_tf_preset_names, row), "tf",
-                                                  iso_tf_to_json(&tf)));
-        iso_tf_destroy(&tf);
+        NEED(iso_tf_of_level(name, &(iso_tf_request){0}, survey, level0, v->threads, &tf, err));
+        json_array_append_new(list, json_pack("{s:s, s:s, s:o}", "name", name, "summary",
+                                              iso_names_summary(&iso_tf_preset_names, row), "tf", iso_tf_to_json(&tf)));
     }
-    free(survey);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_contents_make(const iso_viewer *v, const iso_progress *progress, iso_contents *contents, iso_error *err)

@@ -105,15 +105,12 @@ static iso_status add_arrays(const iso_viewer *v, const brick_cache *cache, iso_
     json_object_set_new(json, "scalar", scalar);
     json_object_set_new(json, "codes", json_pack("[o]", code));
     json_object_set_new(json, "layout", layout);
-    iso_status status = iso_contents_add_array(
-        contents, "plan-scalar", &(iso_pack_array){cache->texel_count, 1, 2, scalar_at, cache}, scalar, err);
-    if (status == ISO_OK)
-        status = iso_contents_add_array(contents, "plan-codes",
-                                        &(iso_pack_array){cache->texel_count, 3, 1, code_at, cache}, code, err);
-    if (status == ISO_OK)
-        status = iso_contents_add_array(contents, "plan-layout",
-                                        &(iso_pack_array){iso_brick_count(n), 4, 2, place_at, cache}, layout, err);
-    return status;
+    NEED(iso_contents_add_array(contents, "plan-scalar", &(iso_pack_array){cache->texel_count, 1, 2, scalar_at, cache},
+                                scalar, err));
+    NEED(iso_contents_add_array(contents, "plan-codes", &(iso_pack_array){cache->texel_count, 3, 1, code_at, cache},
+                                code, err));
+    return iso_contents_add_array(contents, "plan-layout", &(iso_pack_array){iso_brick_count(n), 4, 2, place_at, cache},
+                                  layout, err);
 }
 
 iso_status iso_contents_add_plan(const iso_viewer *v, iso_contents *contents, iso_error *err)

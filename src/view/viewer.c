@@ -98,9 +98,9 @@ static void put_script(FILE *f)
 
 static void put_shaders(FILE *f)
 {
-    json_t *all = json_object();
+    json_auto_t *all = json_object();
     for (size_t i = 0; i < sizeof shaders / sizeof *shaders; ++i) {
-        char *text = NULL;
+        FREED char *text = NULL;
         size_t size;
         FILE *code = open_memstream(&text, &size);
         if (!code)
@@ -108,10 +108,8 @@ static void put_shaders(FILE *f)
         put_code(code, shaders[i].text);
         fclose(code);
         json_object_set_new(all, shaders[i].name, json_string(text));
-        free(text);
     }
     iso_markup_put_json(f, all);
-    json_decref(all);
 }
 
 /* Writes an element per array. Those of the coarsest level precede the script, which draws it while the browser reads
@@ -200,7 +198,7 @@ size_t iso_viewer_finest_level(const iso_pyramid *p, double most_voxels)
 iso_status iso_viewer_save(const iso_viewer *v, const char *path, const iso_progress *progress, iso_viewer_size *size,
                            iso_error *err)
 {
-    iso_contents contents;
+    OWNED(iso_contents) contents = {0};
     iso_output out = {0};
     NEED(iso_contents_make(v, progress, &contents, err));
     iso_status status = iso_output_begin(&out, path, err);
@@ -220,6 +218,5 @@ iso_status iso_viewer_save(const iso_viewer *v, const char *path, const iso_prog
     TRY(status, iso_output_commit(&out, err));
     iso_output_abandon(&out);
     *size = contents.size;
-    iso_contents_destroy(&contents);
     return status;
 }

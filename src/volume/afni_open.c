@@ -114,15 +114,14 @@ static iso_status choose_frame(const char *head, size_t frames, iso_volume_sourc
         axes.frame_step = times[1];
         snprintf(axes.frame_unit, sizeof axes.frame_unit, "%s", is_ms ? "ms" : "s");
     }
-    iso_status status = iso_source_choose(source, &axes, err);
+    NEED(iso_source_choose(source, &axes, err));
     const size_t k = source->choice.frame;
-    double *factors = status == ISO_OK ? calloc(k + 1, sizeof *factors) : NULL;
-    if (status == ISO_OK && !factors)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
-    if (status == ISO_OK && numbers_of(head, "BRICK_FLOAT_FACS", factors, k + 1) == k + 1 && factors[k] != 0)
+    FREED double *factors = calloc(k + 1, sizeof *factors);
+    if (!factors)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    if (numbers_of(head, "BRICK_FLOAT_FACS", factors, k + 1) == k + 1 && factors[k] != 0)
         source->header.notes.scale_slope = factors[k];
-    free(factors);
-    return status;
+    return ISO_OK;
 }
 
 /* Opens the .BRIK next to the header, or the packed one. */
@@ -163,15 +162,13 @@ static iso_status open_head(const char *head, iso_volume_source *source, iso_err
 static iso_status open_afni(iso_volume_source *source, iso_error *err)
 {
     struct stat st;
-    char *head = NULL;
+    FREED char *head = NULL;
     size_t size;
     if (stat(source->path, &st) == 0 && st.st_size > MOST_HEAD)
         return iso_fail(err, ISO_E_FORMAT, "%s: a header of %.0f bytes, must be at most %d", source->path,
                         (double)st.st_size, MOST_HEAD);
-    iso_status status = iso_file_read(source->path, &head, &size, err);
-    TRY(status, open_head(head, source, err));
-    free(head);
-    return status;
+    NEED(iso_file_read(source->path, &head, &size, err));
+    return open_head(head, source, err);
 }
 
 const iso_volume_format iso_volume_format_afni = {

@@ -33,9 +33,8 @@ static bool is_zarr(const char *path)
     static const char *const files[] = {".zarray", ".zgroup", ".zattrs", "zarr.json"};
     bool found = false;
     for (size_t i = 0; i < sizeof files / sizeof files[0] && !found; ++i) {
-        char *file = iso_path_is_dir(path) ? iso_path_join(path, files[i]) : NULL;
+        FREED char *file = iso_path_is_dir(path) ? iso_path_join(path, files[i]) : NULL;
         found = file && iso_path_exists(file);
-        free(file);
     }
     return found;
 }

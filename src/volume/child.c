@@ -98,12 +98,11 @@ static iso_status get_answer(iso_volume_source *source, iso_error *err)
 static iso_status read_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
 {
     const size_t plane = iso_source_plane_bytes(source);
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < plane_count && status == ISO_OK; ++i) {
-        status = get_answer(source, err);
-        TRY(status, get(source, (char *)out + i * plane, plane, err));
+    for (size_t i = 0; i < plane_count; ++i) {
+        NEED(get_answer(source, err));
+        NEED(get(source, (char *)out + i * plane, plane, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Closes the reader: a healthy one ends on SIGTERM. */
@@ -123,10 +122,9 @@ static void close_reader(iso_volume_source *source)
 /* Finds the mm per unit of each world axis. If units differ, the notes keep the first one. */
 static iso_status take_units(iso_volume_source *source, const iso_child_header *h, double mm[3], iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (int r = 2; r >= 0 && status == ISO_OK; --r)
-        status = iso_source_unit(source, h->unit[r], "mm", &mm[r], err);
-    return status;
+    for (int r = 2; r >= 0; --r)
+        NEED(iso_source_unit(source, h->unit[r], "mm", &mm[r], err));
+    return ISO_OK;
 }
 
 /* Returns the names of a label map's segments; NULL if there are none. */
@@ -165,7 +163,8 @@ static void take_geometry(const iso_child_header *h, const double mm[3], iso_vol
 
 static iso_status start_reader(iso_volume_source *source, const iso_child_program *p, const char *part, iso_error *err)
 {
-    char *program = iso_helper_find(p->name), frame[24], channel[24], uneven[24];
+    char frame[24], channel[24], uneven[24];
+    FREED char *program = iso_helper_find(p->name);
     child *r = malloc(sizeof *r);
     source->reader = r;
     source->read_planes = read_planes;
@@ -176,14 +175,12 @@ static iso_status start_reader(iso_volume_source *source, const iso_child_progra
     snprintf(channel, sizeof channel, "%zu", source->choice.channel);
     snprintf(uneven, sizeof uneven, "%d", (int)source->hints.uneven);
     const char *const words[] = {program, source->path, part ? part : "", frame, channel, uneven, NULL};
-    iso_status status = !r         ? iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path)
-                        : !program ? iso_fail(err, ISO_E_MISSING,
-                                              "%s: files of this kind are read by %s, which is missing; install %s of "
-                                              "Debian, and build again",
-                                              source->path, p->name, p->package)
-                                   : iso_child_start(&r->process, words, err);
-    free(program);
-    return status;
+    return !r         ? iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path)
+           : !program ? iso_fail(err, ISO_E_MISSING,
+                                 "%s: files of this kind are read by %s, which is missing; install %s of "
+                                 "Debian, and build again",
+                                 source->path, p->name, p->package)
+                      : iso_child_start(&r->process, words, err);
 }
 
 static iso_status read_header(iso_volume_source *source, const iso_child_program *p, const char *part,
@@ -233,13 +230,11 @@ iso_status iso_child_open(iso_volume_source *source, const iso_child_program *pr
 {
     iso_child_header h;
     double mm[3];
-    iso_status status = read_header(source, program, part, &h, err);
-    TRY(status, choose(source, program, part, &h, err));
-    if (status == ISO_OK && h.unspaced[0])
-        status = iso_source_need_spacing(source, h.unspaced, err);
-    TRY(status, take_units(source, &h, mm, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(read_header(source, program, part, &h, err));
+    NEED(choose(source, program, part, &h, err));
+    if (h.unspaced[0])
+        NEED(iso_source_need_spacing(source, h.unspaced, err));
+    NEED(take_units(source, &h, mm, err));
     take_geometry(&h, mm, &source->header);
     warn(&h);
     if (h.is_whole)

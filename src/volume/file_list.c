@@ -39,11 +39,10 @@ static iso_status add(iso_file_list *list, const char *list_path, const char *na
             return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", list_path);
         list->file = more;
     }
-    char *folder = iso_path_dir(list_path);
+    FREED char *folder = iso_path_dir(list_path);
     char *path = *name == '/' || (folder && strcmp(folder, ".") == 0) ? strdup(name)
                  : folder                                             ? iso_path_join(folder, name)
                                                                       : NULL;
-    free(folder);
     if (!path)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", list_path);
     list->file[list->count++] = (iso_listed_file){time, path};
@@ -92,27 +91,25 @@ static char *attribute(const char *tag, const char *end, const char *name)
 
 static iso_status read_pvd(const char *path, const char *text, iso_file_list *list, iso_error *err)
 {
-    iso_status status = ISO_OK;
     if (!strstr(text, "<VTKFile") || !strstr(text, "<Collection") || !strstr(text, "</Collection>"))
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no collection of ParaView's (.pvd)", path);
-    for (const char *at = text; status == ISO_OK && (at = strstr(at, "<DataSet")); ++at) {
+    for (const char *at = text; (at = strstr(at, "<DataSet")); ++at) {
         const char *end = strpbrk(at + 1, "<>"); /* no tag continues after the beginning of another */
         const bool is_tag = end && *end == '>';
-        char *name = is_tag ? attribute(at, end, "file") : NULL, *time = is_tag ? attribute(at, end, "timestep") : NULL;
+        FREED char *name = is_tag ? attribute(at, end, "file") : NULL,
+                   *time = is_tag ? attribute(at, end, "timestep") : NULL;
         char *rest = NULL;
         const double value = time ? strtod(time, &rest) : (double)list->count;
-        status = add(list, path, name ? name : "", time && rest == time ? NAN : value, err);
-        free(name);
-        free(time);
+        NEED(add(list, path, name ? name : "", time && rest == time ? NAN : value, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* ---- .series: {"file-series-version": "1.0", "files": [{"name": "a.vti", "time": 0.5}]} ---- */
 
 static iso_status read_series(const char *path, const char *text, size_t size, iso_file_list *list, iso_error *err)
 {
-    json_t *root = NULL;
+    json_auto_t *root = NULL;
     iso_status status = iso_json_parse(path, text, size, &root, err);
     if (status != ISO_OK)
         return status;
@@ -126,7 +123,6 @@ static iso_status read_series(const char *path, const char *text, size_t size, i
         iso_json_get_number(&r, entry, "time", false, -1e300, 1e300, &time);
         TRY(r.status, add(list, path, name, time, err));
     }
-    json_decref(root);
     return r.status;
 }
 
@@ -160,16 +156,13 @@ static iso_status put_in_order(const char *path, iso_file_list *list, iso_error 
 
 iso_status iso_file_list_read(const char *path, iso_file_list *list, iso_error *err)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size = 0;
     *list = (iso_file_list){0};
-    iso_status status = iso_inputs_note(path, err);
-    TRY(status, iso_file_read(path, &text, &size, err));
-    if (status == ISO_OK && size > MOST_BYTES)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: %zu bytes, too many for a list of files", path, size);
-    TRY(status,
-        iso_path_ends_with(path, ".pvd") ? read_pvd(path, text, list, err) : read_series(path, text, size, list, err));
-    TRY(status, put_in_order(path, list, err));
-    free(text);
-    return status;
+    NEED(iso_inputs_note(path, err));
+    NEED(iso_file_read(path, &text, &size, err));
+    if (size > MOST_BYTES)
+        return iso_fail(err, ISO_E_FORMAT, "%s: %zu bytes, too many for a list of files", path, size);
+    NEED(iso_path_ends_with(path, ".pvd") ? read_pvd(path, text, list, err) : read_series(path, text, size, list, err));
+    return put_in_order(path, list, err);
 }

@@ -41,9 +41,8 @@ static bool holds_files(const char *path)
     DIR *dir = opendir(path);
     bool found = false;
     for (const struct dirent *entry; dir && !found && (entry = readdir(dir));) {
-        char *file = entry->d_name[0] == '.' ? NULL : iso_path_join(path, entry->d_name);
+        FREED char *file = entry->d_name[0] == '.' ? NULL : iso_path_join(path, entry->d_name);
         found = file && !iso_path_is_dir(file);
-        free(file);
     }
     if (dir)
         closedir(dir);
@@ -56,12 +55,11 @@ static bool holds_dicom_below(const char *path, int depth, int *left)
     DIR *dir = opendir(path);
     bool found = false;
     for (const struct dirent *entry; dir && !found && *left > 0 && (entry = readdir(dir));) {
-        char *file = entry->d_name[0] == '.' ? NULL : iso_path_join(path, entry->d_name);
+        FREED char *file = entry->d_name[0] == '.' ? NULL : iso_path_join(path, entry->d_name);
         --*left;
         found = file && (iso_path_is_dir(file)    ? depth > 0 && holds_dicom_below(file, depth - 1, left)
                          : iso_path_is_file(file) ? has_known_start(file, 1)
                                                   : false);
-        free(file);
     }
     if (dir)
         closedir(dir);
@@ -83,10 +81,9 @@ static iso_status note_slices(const char *folder, bool is_series, iso_error *err
     iso_status status = ISO_OK;
     size_t noted = 0;
     for (const struct dirent *entry; dir && status == ISO_OK && (entry = readdir(dir));) {
-        char *file = entry->d_name[0] == '.' ? NULL : iso_path_join(folder, entry->d_name);
+        FREED char *file = entry->d_name[0] == '.' ? NULL : iso_path_join(folder, entry->d_name);
         if (file && iso_path_is_file(file) && (!is_series || has_known_start(file, 1)))
             status = iso_inputs_note(file, err), ++noted;
-        free(file);
     }
     if (dir)
         closedir(dir);

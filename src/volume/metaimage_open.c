@@ -89,7 +89,7 @@ static iso_status read_header(const char *path, metaimage *m, iso_error *err)
 {
     char line[LINE_BYTES];
     *m = (metaimage){.channels = 1, .slope = 1, .is_image = true, .steps = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    FILE *f = fopen(path, "rb");
+    ENDED_BY(iso_close_file) FILE *f = fopen(path, "rb");
     if (!f)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
     while (!m->file[0] && fgets(line, sizeof line, f)) {
@@ -101,7 +101,6 @@ static iso_status read_header(const char *path, metaimage *m, iso_error *err)
     }
     m->end = (size_t)ftello(f);
     const iso_status status = iso_source_check_read(f, path, ISO_OK, err);
-    fclose(f);
     return m->file[0] || status != ISO_OK
                ? status
                : iso_fail(err, ISO_E_FORMAT, "%s: truncated: the MetaImage header ends before ElementDataFile", path);
@@ -177,7 +176,7 @@ static char *sample_path(const metaimage *m, const char *path, bool is_local)
 static iso_status open_samples(const metaimage *m, iso_volume_source *source, iso_error *err)
 {
     const bool is_local = strcmp(m->file, "LOCAL") == 0 || strcmp(m->file, "local") == 0;
-    char *path = sample_path(m, source->path, is_local);
+    FREED char *path = sample_path(m, source->path, is_local);
     size_t offset = is_local ? m->end : m->header_bytes > 0 ? (size_t)m->header_bytes : 0;
     struct stat st;
     iso_status status = path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
@@ -188,7 +187,6 @@ static iso_status open_samples(const metaimage *m, iso_volume_source *source, is
                          m->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
     TRY(status, m->compressed ? iso_source_take_zlib(source, path, offset, err)
                               : iso_source_take_file(source, path, offset, err));
-    free(path);
     return status;
 }
 

@@ -163,18 +163,16 @@ static iso_status open_text(const char *text, iso_volume_source *source, iso_err
 static iso_status open_mif(iso_volume_source *source, iso_error *err)
 {
     size_t got;
-    char *text = calloc(1, HEAD_BYTES + 1);
-    iso_status status = text ? iso_reader_head(source->path, text, HEAD_BYTES, &got, err)
-                             : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
-    char *end = status == ISO_OK ? strstr(text, "\nEND") : NULL;
-    if (status == ISO_OK && !end)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated: no line END in the first %d bytes", source->path,
-                          HEAD_BYTES);
+    FREED char *text = calloc(1, HEAD_BYTES + 1);
+    NEED(text ? iso_reader_head(source->path, text, HEAD_BYTES, &got, err)
+              : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path));
+    char *end = strstr(text, "\nEND");
+    if (!end)
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: no line END in the first %d bytes", source->path,
+                        HEAD_BYTES);
     if (end)
         end[1] = 0;
-    TRY(status, open_text(text, source, err));
-    free(text);
-    return status;
+    return open_text(text, source, err);
 }
 
 const iso_volume_format iso_volume_format_mif = {

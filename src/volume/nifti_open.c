@@ -186,19 +186,17 @@ static iso_status read_geometry(const nifti_header *h, iso_volume_source *source
     iso_volume *header = &source->header;
     iso_geometry *g = &header->geometry;
     double mm, m[3][4];
-    iso_status status = iso_source_unit(source, unit_name(h->units), "mm", &mm, err);
-    if (status == ISO_OK && h->sform_code > 0 && sform_is_empty(h) && !(source->hints.spacing_mm[0] > 0))
-        status = iso_fail(
+    NEED(iso_source_unit(source, unit_name(h->units), "mm", &mm, err));
+    if (h->sform_code > 0 && sform_is_empty(h) && !(source->hints.spacing_mm[0] > 0))
+        return iso_fail(
             err, ISO_E_FORMAT,
             "%s: its sform (code %d) has an axis of zeros, which spans no volume; set --spacing SXxSYxSZ, in mm, "
             "reads it by its qform",
             source->path, h->sform_code);
     double spacing[3] = {fabs(h->pixdim[1]), fabs(h->pixdim[2]), fabs(h->pixdim[3])};
     const bool by_sform = h->sform_code > 0 && !sform_is_empty(h);
-    if (status == ISO_OK && !by_sform)
-        status = iso_source_take_spacing(source, spacing, err);
-    if (status != ISO_OK)
-        return status;
+    if (!by_sform)
+        NEED(iso_source_take_spacing(source, spacing, err));
     size_t size[3] = {(size_t)h->dim[1], (size_t)h->dim[2], (size_t)h->dim[3]};
     *g = iso_geometry_axis_aligned(size, (double[]){spacing[0] * mm, spacing[1] * mm, spacing[2] * mm});
     header->notes.world_is_ras = center_affine(h, spacing, m);
@@ -281,16 +279,15 @@ static char *other_of_pair(const char *path, const char *ending, const char *oth
 /* True for the samples of a pair: the .hdr lies next to the .img. */
 static bool is_image_of_pair(const char *path)
 {
-    char *header = other_of_pair(path, ".img", ".hdr");
+    FREED char *header = other_of_pair(path, ".img", ".hdr");
     const bool is_one = header && iso_path_is_file(header);
-    free(header);
     return is_one;
 }
 
 /* Opens the file of the samples, positioned at the first one. */
 static iso_status open_samples(iso_volume_source *source, const nifti_header *h, iso_error *err)
 {
-    char *image = h->one_file ? strdup(source->path) : other_of_pair(source->path, ".hdr", ".img");
+    FREED char *image = h->one_file ? strdup(source->path) : other_of_pair(source->path, ".hdr", ".img");
     if (!image)
         return iso_fail(err, ISO_E_FORMAT, "%s: a header alone (\"ni1\", \"ni2\") is named .hdr, its samples .img",
                         source->path);
@@ -321,15 +318,13 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
         if (status == ISO_OK && gzseek(source->gz, (z_off_t)offset, SEEK_SET) < 0)
             status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before the samples at byte %zu", image, offset);
     }
-    free(image);
     return status;
 }
 
 static bool is_header_of_pair(const char *path)
 {
-    char *image = other_of_pair(path, ".hdr", ".img");
+    FREED char *image = other_of_pair(path, ".hdr", ".img");
     const bool is_one = image && iso_path_is_file(image);
-    free(image);
     return is_one;
 }
 
@@ -381,26 +376,23 @@ static iso_status go_to_header(iso_volume_source *source, iso_error *err)
 static iso_status open_nifti(iso_volume_source *source, iso_error *err)
 {
     nifti_header h;
-    iso_status status = is_image_of_pair(source->path) ? go_to_header(source, err) : ISO_OK;
-    TRY(status, read_header(source, &h, err));
-    if (status != ISO_OK)
-        return status;
+    if (is_image_of_pair(source->path))
+        NEED(go_to_header(source, err));
+    NEED(read_header(source, &h, err));
     if (h.datatype == NIFTI_TYPE_INT64 || h.datatype == NIFTI_TYPE_UINT64)
         iso_source_set_form(source, h.datatype == NIFTI_TYPE_INT64 ? ISO_FORM_I64 : ISO_FORM_U64);
     else if (!our_type(h.datatype, &source->header.type, &h.colors))
         return iso_fail(err, ISO_E_FORMAT, "%s: data type %d (%s), must be an integer, float, double or RGB",
                         source->path, h.datatype, nifti_datatype_string(h.datatype));
-    status = read_geometry(&h, source, err);
-    TRY(status, choose(&h, source, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(read_geometry(&h, source, err));
+    NEED(choose(&h, source, err));
     source->header.notes.says_labels = h.intent == NIFTI_INTENT_LABEL;
     if (isfinite(h.slope) && h.slope != 0 && isfinite(h.intercept)) {
         source->header.notes.scale_slope = h.slope;
         source->header.notes.scale_intercept = h.intercept;
     }
-    status = iso_source_check_geometry(source, err);
-    return status == ISO_OK ? open_samples(source, &h, err) : status;
+    NEED(iso_source_check_geometry(source, err));
+    return open_samples(source, &h, err);
 }
 
 const iso_volume_format iso_volume_format_nifti = {

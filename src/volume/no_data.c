@@ -112,12 +112,11 @@ static bool fills_stand_out(const iso_source_look *k)
 iso_status iso_source_look_for_fills(iso_volume_source *all, bool *found, iso_error *err)
 {
     const size_t *n = all->header.geometry.size;
-    char *plane = malloc(n[0] * n[1] * iso_type_bytes(all->header.type));
+    FREED char *plane = malloc(n[0] * n[1] * iso_type_bytes(all->header.type));
     iso_status status = plane ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", all->path);
     all->only_looks = true;
     for (size_t z = 0; z < n[2] && status == ISO_OK; ++z)
         status = iso_source_read(all, 1, plane, err);
-    free(plane);
     *found = status == ISO_OK && fills_stand_out(&all->look);
     return status;
 }

@@ -190,11 +190,8 @@ static iso_status open_array(iso_volume_source *source, npy *n, iso_error *err)
 
 static iso_status open_npy(iso_volume_source *source, iso_error *err)
 {
-    npy *n = calloc(1, sizeof *n);
-    const iso_status status = n ? open_array(source, n, err)
-                                : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
-    free(n);
-    return status;
+    FREED npy *n = calloc(1, sizeof *n);
+    return n ? open_array(source, n, err) : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
 }
 
 const iso_volume_format iso_volume_format_npy = {

@@ -100,18 +100,16 @@ static iso_status add_numbered(look *l, char *pattern, iso_error *err)
                         first, last, step);
     if (count > ISO_NRRD_MOST_FILES)
         return iso_fail(err, ISO_E_RANGE, "%s: names %.0f data files, at most %d", l->path, count, ISO_NRRD_MOST_FILES);
-    iso_status status = ISO_OK;
-    for (int i = 0; i < (int)count && status == ISO_OK; ++i) {
-        char *name = NULL;
+    for (int i = 0; i < (int)count; ++i) {
+        FREED char *name = NULL;
         const size_t after = strcspn(place, "d") + 1;
         const int width = atoi(place + 1), zeros = place[1] == '0';
         if (asprintf(&name, zeros ? "%.*s%0*d%s" : "%.*s%*d%s", (int)(place - pattern), pattern, width,
                      first + i * step, place + after) < 0)
             return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", l->path);
-        status = add_name(l, name, err);
-        free(name);
+        NEED(add_name(l, name, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Reads a line, which ends at \n, \r or both, as in teem. Returns its length without them; below 0: the file has ended,

@@ -24,12 +24,11 @@ static iso_status teem_failed(const char *path, const Nrrd *nrrd, iso_error *err
     const int number = errno; /* of the failed call on the file, if any */
     const bool is_of_file = number == EIO || number == EINTR || number == EMFILE || number == ENFILE ||
                             number == EACCES || number == ENOMEM;
-    char *text = biffGetDone(NRRD);
+    FREED char *text = biffGetDone(NRRD);
     char cause[512] = "unknown error";
     for (char *rest = text, *line; text && (line = strsep(&rest, "\n"));)
         if (*line)
             snprintf(cause, sizeof cause, "%s", line);
-    free(text);
     if (is_of_file)
         return iso_fail(err, number == ENOMEM ? ISO_E_MEMORY : ISO_E_IO, "%s: cannot be read: %s", path,
                         strerror(number));
@@ -195,14 +194,12 @@ static void read_scale(const Nrrd *nrrd, iso_volume_notes *notes)
 {
     static const char *const keys[2][2] = {{"scale_slope", "scale_intercept"}, {"nifti_scl_slope", "nifti_scl_inter"}};
     for (int k = 0; k < 2; ++k) {
-        char *slope = nrrdKeyValueGet(nrrd, keys[k][0]), *intercept = nrrdKeyValueGet(nrrd, keys[k][1]);
+        FREED char *slope = nrrdKeyValueGet(nrrd, keys[k][0]), *intercept = nrrdKeyValueGet(nrrd, keys[k][1]);
         double s = slope ? strtod(slope, NULL) : 0, i = intercept ? strtod(intercept, NULL) : 0;
         if (isfinite(s) && s != 0 && isfinite(i)) {
             notes->scale_slope = s;
             notes->scale_intercept = i;
         }
-        free(slope);
-        free(intercept);
     }
 }
 
@@ -236,12 +233,11 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
                                            : plain_geometry(nrrd, &axes, source, err);
     read_scale(nrrd, &header->notes);
     take_value_unit(nrrd->sampleUnits, &header->notes);
-    json_t *segments = iso_nrrd_segments(nrrd, axes.extra.frame.count > 1);
+    json_auto_t *segments = iso_nrrd_segments(nrrd, axes.extra.frame.count > 1);
     header->notes.says_labels = segments != NULL;
     axes.extra.layers = segments;
     TRY(status, iso_source_choose(source, &axes.extra, err));
     header->segments = iso_segments_of_layer(segments, header->notes.frame);
-    json_decref(segments);
     return status == ISO_OK ? iso_source_check_geometry(source, err) : status;
 }
 

@@ -55,7 +55,7 @@ static json_t *color_of(const Nrrd *nrrd, int number)
 
 static json_t *segment_of(const Nrrd *nrrd, int number, bool has_layers)
 {
-    char *id = value_of(nrrd, number, "ID"), *name = value_of(nrrd, number, "Name");
+    FREED char *id = value_of(nrrd, number, "ID"), *name = value_of(nrrd, number, "Name");
     json_t *segment = NULL, *color;
     if (id || name) {
         const long label = number_of(nrrd, number, "LabelValue", has_layers ? 1 : number + 1);
@@ -65,8 +65,6 @@ static json_t *segment_of(const Nrrd *nrrd, int number, bool has_layers)
         if (segment && (color = color_of(nrrd, number)))
             json_object_set_new(segment, "color", color);
     }
-    free(id);
-    free(name);
     return segment;
 }
 

@@ -77,7 +77,7 @@ static bool find_files(const char *path, const char *base, numbered_files *files
     size_t bytes = 0;
     unsigned long long number;
     const char *at = find_place(base, &bytes);
-    char *folder = iso_path_dir(path);
+    FREED char *folder = iso_path_dir(path);
     DIR *dir = folder ? opendir(folder) : NULL;
     bool well = folder != NULL;
     for (const struct dirent *entry; dir && well && (entry = readdir(dir));)
@@ -85,7 +85,6 @@ static bool find_files(const char *path, const char *base, numbered_files *files
             well = add_file(files, folder, entry->d_name, number);
     if (dir)
         closedir(dir);
-    free(folder);
     if (files->count > 1)
         qsort(files->file, files->count, sizeof *files->file, by_number);
     return well;
@@ -117,12 +116,11 @@ static const char *listed_at(const void *list, size_t i)
 
 static iso_status of_list(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err)
 {
-    iso_file_list list;
+    OWNED(iso_file_list) list = {0};
     iso_status status = iso_file_list_read(path, &list, err);
     found->count = list.count;
     found->step = list.step;
     TRY(status, choose_file(path, hints, listed_at, &list, found, err));
-    iso_file_list_destroy(&list);
     return status;
 }
 

@@ -43,26 +43,23 @@ static iso_status read_slabs(slab_reading *s, iso_volume_source *source, double 
                              iso_error *err)
 {
     const size_t nz = s->out->header.geometry.size[2];
-    iso_status status = ISO_OK;
-    for (size_t z = 0; z < nz && status == ISO_OK; z += s->planes) {
+    for (size_t z = 0; z < nz; z += s->planes) {
         s->slab.geometry.size[2] = nz - z < s->planes ? nz - z : s->planes;
         iso_progress_report(s->progress, "read", done + 0.5 * (double)z / (double)nz);
-        status = iso_source_read(source, s->slab.geometry.size[2], s->slab.data, err);
-        TRY(status, visit(s, z, err));
+        NEED(iso_source_read(source, s->slab.geometry.size[2], s->slab.data, err));
+        NEED(visit(s, z, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Visits each slab. done: part of all work before this half of it. */
 static iso_status each_slab(slab_reading *s, double done, slab_visitor *visit, iso_error *err)
 {
-    iso_volume_source *source = NULL;
+    ENDED_BY(iso_source_close_owned) iso_volume_source *source = NULL;
     if (s->is_kept)
         return visit(s, 0, err);
-    iso_status status = iso_volume_input_open(s->path, s->input, &source, err);
-    TRY(status, read_slabs(s, source, done, visit, err));
-    iso_source_close(source);
-    return status;
+    NEED(iso_volume_input_open(s->path, s->input, &source, err));
+    return read_slabs(s, source, done, visit, err);
 }
 
 /* Prepares the header and one slab of a volume that is too large to keep in memory. */

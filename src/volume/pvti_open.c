@@ -34,7 +34,7 @@ static bool read_extent(const char *tag, const char *name, long e[6])
 static iso_status open_piece(const pvti *p, const iso_volume_source *whole, const char *name, iso_volume_source **piece,
                              iso_error *err)
 {
-    char *path = NULL;
+    FREED char *path = NULL;
     const char *base = iso_path_base(whole->path);
     iso_volume_hints hints = whole->hints;
     hints.is_piece = true;
@@ -44,9 +44,7 @@ static iso_status open_piece(const pvti *p, const iso_volume_source *whole, cons
                         whole->path, name, p->ending);
     if (asprintf(&path, "%.*s%s", (int)(base - whole->path), whole->path, name) < 0)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", whole->path);
-    const iso_status status = iso_source_open_with(path, &hints, piece, err);
-    free(path);
-    return status;
+    return iso_source_open_with(path, &hints, piece, err);
 }
 
 /* Copies a row of samples and marks them. */
@@ -90,18 +88,17 @@ static iso_status put_piece(pvti *p, iso_volume_source *whole, iso_volume_source
     if (v->type != whole->header.type)
         return iso_fail(err, ISO_E_FORMAT, "%s: %s is of type %s, the first piece of %s", whole->path, piece->path,
                         iso_type_name(v->type), iso_type_name(whole->header.type));
-    iso_status status = check_place(whole, piece, at, err);
-    char *plane = malloc(n[0] * n[1] * sample);
-    if (status == ISO_OK && !plane)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", whole->path);
-    for (size_t z = 0; z < n[2] && status == ISO_OK; ++z) {
-        status = iso_source_read(piece, 1, plane, err);
-        for (size_t y = 0; y < n[1] && status == ISO_OK; ++y)
+    NEED(check_place(whole, piece, at, err));
+    FREED char *plane = malloc(n[0] * n[1] * sample);
+    if (!plane)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", whole->path);
+    for (size_t z = 0; z < n[2]; ++z) {
+        NEED(iso_source_read(piece, 1, plane, err));
+        for (size_t y = 0; y < n[1]; ++y)
             put_row(p, plane + y * n[0] * sample, n[0], ((at[2] + z) * p->size[1] + at[1] + y) * p->size[0] + at[0],
                     sample, whole->preloaded);
     }
-    free(plane);
-    return status;
+    return ISO_OK;
 }
 
 /* Takes the whole's grid from a piece that begins at extent `e`, and memory for its samples, at most as many bytes as
@@ -152,32 +149,30 @@ static iso_status read_pieces(pvti *p, const char *text, iso_volume_source *whol
     char name[NAME_BYTES];
     long e[6];
     size_t pieces = 0;
-    iso_status status = ISO_OK;
-    for (const char *tag = text; status == ISO_OK && (tag = strstr(tag, "<Piece ")); ++tag) {
-        iso_volume_source *piece;
+    for (const char *tag = text; (tag = strstr(tag, "<Piece ")); ++tag) {
+        ENDED_BY(iso_source_close_owned) iso_volume_source *piece = NULL;
         if (++pieces > MOST_PIECES || !read_extent(tag, "Extent", e) ||
             !iso_reader_attribute(tag, "Source", name, sizeof name))
             return iso_fail(err, ISO_E_FORMAT, "%s: damaged: piece %zu has no extent and source, or is one of too many",
                             whole->path, pieces);
-        status = open_piece(p, whole, name, &piece, err);
-        if (status == ISO_OK && pieces == 1)
-            status = begin(p, whole, piece, e, packed, err);
-        TRY(status, put_piece(p, whole, piece, e, err));
-        iso_source_close(piece);
+        NEED(open_piece(p, whole, name, &piece, err));
+        if (pieces == 1)
+            NEED(begin(p, whole, piece, e, packed, err));
+        NEED(put_piece(p, whole, piece, e, err));
     }
-    if (status == ISO_OK && pieces == 0)
+    if (pieces == 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or without pieces", whole->path);
-    for (size_t i = 0; status == ISO_OK && i < iso_geometry_voxel_count(&whole->header.geometry); ++i)
+    for (size_t i = 0; i < iso_geometry_voxel_count(&whole->header.geometry); ++i)
         if (!p->is_filled[i])
             return iso_fail(err, ISO_E_FORMAT, "%s: its %zu pieces do not fill the whole: sample %zu is in none",
                             whole->path, pieces, i);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status open_pvti(iso_volume_source *source, iso_error *err)
 {
     pvti p = {0};
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size;
     struct stat st;
     if (stat(source->path, &st) == 0 && st.st_size > MOST_BYTES)
@@ -195,7 +190,6 @@ static iso_status open_pvti(iso_volume_source *source, iso_error *err)
                           source->path);
     TRY(status, read_pieces(&p, text, source, err));
     free(p.is_filled);
-    free(text);
     return status;
 }
 

@@ -10,15 +10,13 @@
 
 iso_status iso_reader_head(const char *path, char *head, size_t bytes, size_t *got, iso_error *err)
 {
-    FILE *f = fopen(path, "rb");
+    ENDED_BY(iso_close_file) FILE *f = fopen(path, "rb");
     *got = 0;
     if (!f)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
     *got = fread(head, 1, bytes, f);
     head[*got] = 0;
-    const iso_status status = iso_source_check_read(f, path, ISO_OK, err);
-    fclose(f);
-    return status;
+    return iso_source_check_read(f, path, ISO_OK, err);
 }
 
 bool iso_reader_may_hold(const char *path, const char *word)

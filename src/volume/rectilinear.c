@@ -34,7 +34,7 @@ static iso_status read_all(iso_volume_source *source, void **data, iso_error *er
 iso_status iso_rectilinear_take(iso_rectilinear *r, int axis, iso_volume_source *row, iso_error *err)
 {
     const size_t count = row->header.geometry.size[0];
-    void *data = NULL;
+    FREED void *data = NULL;
     iso_status status = read_all(row, &data, err);
     r->at[axis] = status == ISO_OK ? malloc(count * sizeof *r->at[axis]) : NULL;
     if (status == ISO_OK && !r->at[axis])
@@ -42,7 +42,6 @@ iso_status iso_rectilinear_take(iso_rectilinear *r, int axis, iso_volume_source 
     for (size_t i = 0; status == ISO_OK && i < count; ++i)
         r->at[axis][i] = value_at(data, row->header.type, i);
     r->count[axis] = count;
-    free(data);
     return status;
 }
 

@@ -225,9 +225,8 @@ static size_t path_bytes(const char *path)
 {
     struct stat st;
     for (const char *at = stat(path, &st) == 0 ? NULL : strchr(path, ':'); at; at = strchr(at + 1, ':')) {
-        char *before = strndup(path, (size_t)(at - path));
+        FREED char *before = strndup(path, (size_t)(at - path));
         const bool found = before && *before && stat(before, &st) == 0;
-        free(before);
         if (found && at[1])
             return (size_t)(at - path);
     }
@@ -346,9 +345,8 @@ static iso_status refuse_folder(const char *path, iso_error *err)
 /* True if a folder that is named as a pyramid lacks its list; a reader of slices would take its levels for slices. */
 static bool is_broken_pyramid(const char *path)
 {
-    char *list = iso_path_join(path, "pyramid.json");
+    FREED char *list = iso_path_join(path, "pyramid.json");
     const bool is_broken = list && is_named(path, ".iso") && !iso_path_is_file(list);
-    free(list);
     return is_broken;
 }
 
@@ -476,7 +474,7 @@ static iso_status open_as_stored(const char *path, const iso_volume_hints *hints
 static iso_status find_range(iso_volume_source *source, double *lo, double *hi, iso_error *err)
 {
     const size_t *n = source->header.geometry.size, plane = n[0] * n[1];
-    double *samples = malloc(plane * sizeof *samples);
+    FREED double *samples = malloc(plane * sizeof *samples);
     iso_status status = samples ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", source->path);
     for (size_t z = 0; z < n[2] && status == ISO_OK; ++z) {
         status = iso_source_read(source, 1, samples, err);
@@ -485,7 +483,6 @@ static iso_status find_range(iso_volume_source *source, double *lo, double *hi, 
             *hi = fmax(*hi, samples[i]);
         }
     }
-    free(samples);
     return status;
 }
 

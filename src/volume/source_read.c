@@ -142,18 +142,15 @@ static iso_status read_stored(iso_volume_source *s, size_t plane_count, void *ou
 {
     const size_t sample = iso_type_bytes(iso_source_stored_type(s)), plane = iso_source_plane_bytes(s),
                  bytes = plane * plane_count;
-    iso_status status = ISO_OK;
     if (s->preloaded)
         memcpy(out, s->preloaded + s->planes_read * plane, bytes);
     else if (s->read_planes)
-        status = s->read_planes(s, plane_count, out, err);
+        NEED(s->read_planes(s, plane_count, out, err));
     else if (s->gz)
-        status = read_compressed(s, out, bytes, err);
+        NEED(read_compressed(s, out, bytes, err));
     else if (!read_plain(s, out, bytes))
-        status = iso_fail(err, ISO_E_IO, "%s: read error in planes %zu to %zu of %zu", s->path, s->planes_read,
-                          s->planes_read + plane_count, iso_source_planes(s));
-    if (status != ISO_OK)
-        return status;
+        return iso_fail(err, ISO_E_IO, "%s: read error in planes %zu to %zu of %zu", s->path, s->planes_read,
+                        s->planes_read + plane_count, iso_source_planes(s));
     if (s->swap_bytes)
         swap_samples(out, sample, bytes / sample);
     s->planes_read += plane_count;
@@ -169,13 +166,12 @@ iso_status iso_source_skip_stored(iso_volume_source *s, size_t plane_count, iso_
         s->planes_read += plane_count;
         return ISO_OK;
     }
-    char *unwanted = plane_count ? malloc(plane) : NULL;
-    iso_status status = unwanted || !plane_count ? ISO_OK
-                                                 : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->path);
-    for (size_t i = 0; i < plane_count && status == ISO_OK; ++i)
-        status = read_stored(s, 1, unwanted, err);
-    free(unwanted);
-    return status;
+    FREED char *unwanted = plane_count ? malloc(plane) : NULL;
+    if (!(unwanted || !plane_count))
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->path);
+    for (size_t i = 0; i < plane_count; ++i)
+        NEED(read_stored(s, 1, unwanted, err));
+    return ISO_OK;
 }
 
 void iso_source_apply_scale(iso_volume_source *s)
@@ -204,18 +200,16 @@ static iso_status check_count(const iso_volume_source *s, size_t plane_count, is
 static iso_status read_converted(iso_volume_source *s, size_t plane_count, char *out, iso_error *err)
 {
     const size_t *n = s->header.geometry.size, plane = n[0] * n[1], bytes = iso_type_bytes(s->header.type);
-    void *cells = malloc(iso_source_plane_bytes(s));
-    iso_status status = cells ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->path);
-    for (size_t z = 0; z < plane_count && status == ISO_OK; ++z) {
-        status = read_stored(s, 1, cells, err);
-        if (status == ISO_OK) {
-            iso_source_look_at(s, cells, plane);
-            iso_source_convert(s, cells, plane, out + z * plane * bytes);
-            iso_source_mark_no_data(s, cells, plane, out + z * plane * bytes);
-        }
+    FREED void *cells = malloc(iso_source_plane_bytes(s));
+    if (!cells)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->path);
+    for (size_t z = 0; z < plane_count; ++z) {
+        NEED(read_stored(s, 1, cells, err));
+        iso_source_look_at(s, cells, plane);
+        iso_source_convert(s, cells, plane, out + z * plane * bytes);
+        iso_source_mark_no_data(s, cells, plane, out + z * plane * bytes);
     }
-    free(cells);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, iso_error *err)

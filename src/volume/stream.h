@@ -58,6 +58,10 @@ iso_status iso_source_read(iso_volume_source *source, size_t plane_count, void *
 /* Skips planes: by a seek where samples are not compressed, else by unpacking them. */
 iso_status iso_source_skip(iso_volume_source *source, size_t plane_count, iso_error *err);
 void iso_source_close(iso_volume_source *source); /* accepts NULL */
+static inline void iso_source_close_owned(iso_volume_source **source) /* for ENDED_BY */
+{
+    iso_source_close(*source);
+}
 
 /* Reads the whole volume from a source that nothing has been read from yet; closes the source in every case. Statuses
  * as iso_volume_load. */

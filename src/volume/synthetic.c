@@ -24,10 +24,9 @@ const char *iso_field_name(iso_field_kind kind)
 iso_status iso_field_from_name(const char *name, iso_field_kind *kind, iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(&iso_field_names, name, &row, err);
-    if (status == ISO_OK)
-        *kind = (iso_field_kind)row;
-    return status;
+    NEED(iso_names_find(&iso_field_names, name, &row, err));
+    *kind = (iso_field_kind)row;
+    return ISO_OK;
 }
 
 static double half_shortest_edge_mm(const iso_geometry *g)

@@ -366,13 +366,11 @@ static iso_status take_geometry(iso_volume_source *source, const tiff_page *p, s
         spacing[a] = n->spacing[a] == 0 || (is_pixels && !source->hints.unit) ? (double)NAN : n->spacing[a];
         lacks = lacks || isnan(spacing[a]);
     }
-    iso_status status = iso_source_take_spacing(source, spacing, err);
-    for (int a = 0; a < 3 && status == ISO_OK; ++a) {
-        status = iso_source_unit(source, lacks ? NULL : n->unit[a], "mm", &mm, err);
+    NEED(iso_source_take_spacing(source, spacing, err));
+    for (int a = 0; a < 3; ++a) {
+        NEED(iso_source_unit(source, lacks ? NULL : n->unit[a], "mm", &mm, err));
         spacing[a] *= mm;
     }
-    if (status != ISO_OK)
-        return status;
     source->header.geometry = iso_geometry_axis_aligned((size_t[]){p->width, p->height, slices}, spacing);
     return iso_source_check_geometry(source, err);
 }
@@ -386,7 +384,7 @@ static bool read_tiles(TIFF *t, uint16_t plane, char *out, size_t row_bytes, siz
     TIFFGetField(t, TIFFTAG_TILELENGTH, &height);
     const size_t tile_row = TIFFTileRowSize64(t), across = tile_row ? (row_bytes + tile_row - 1) / tile_row : 0;
     const uint32_t first = TIFFComputeTile(t, 0, 0, 0, plane);
-    char *tile = malloc(TIFFTileSize64(t));
+    FREED char *tile = malloc(TIFFTileSize64(t));
     bool well = tile && across > 0 && height > 0;
     for (size_t y = 0; well && y < rows; y += height)
         for (size_t i = 0; well && i < across; ++i) {
@@ -395,7 +393,6 @@ static bool read_tiles(TIFF *t, uint16_t plane, char *out, size_t row_bytes, siz
             for (size_t row = 0; well && row < height && y + row < rows; ++row)
                 memcpy(out + (y + row) * row_bytes + i * tile_row, tile + row * tile_row, bytes);
         }
-    free(tile);
     return well;
 }
 
@@ -424,14 +421,13 @@ static bool read_page_samples(const iso_volume_source *source, char *out)
                  sample = iso_type_bytes(iso_source_stored_type(source));
     if (r->planes == 1)
         return read_component(r->tiff, 0, out, bytes, rows);
-    char *plane = malloc(bytes / r->planes);
+    FREED char *plane = malloc(bytes / r->planes);
     bool well = plane != NULL;
     for (uint16_t c = 0; well && c < r->planes; ++c) {
         well = read_component(r->tiff, c, plane, bytes / r->planes, rows);
         for (size_t i = 0; well && i < bytes / r->planes / sample; ++i)
             memcpy(out + (i * r->planes + c) * sample, plane + i * sample, sample);
     }
-    free(plane);
     return well;
 }
 
@@ -486,22 +482,20 @@ static iso_status read_header(iso_volume_source *source, iso_error *err)
     tiff_page page = {0};
     size_t slices = 0;
     tiff_notes notes = read_notes(r->tiff);
-    iso_status status = find_pages(r, source->path, &page, err);
-    if (status == ISO_OK && page.depth != 1)
-        status = iso_fail(err, ISO_E_FORMAT,
-                          "%s: has %u slices in a page (ImageDepth), which is not read; save a page for each slice",
-                          source->path, page.depth);
-    if (status == ISO_OK && !take_type(&page, source))
-        status = iso_fail(err, ISO_E_FORMAT,
-                          "%s: samples of %u bits, format %u, must be an integer of 8, 16, 32 or 64 bits, "
-                          "half, float or double",
-                          source->path, page.bits, page.format);
-    TRY(status, check_order(&notes, source->path, err));
-    TRY(status, choose(&notes, &page, source, &slices, err));
-    TRY(status, take_geometry(source, &page, slices, &notes, err));
-    return status == ISO_OK
-               ? iso_source_check_packed(source, source->path, (double)size_of(r), most_of(page.compression), err)
-               : status;
+    NEED(find_pages(r, source->path, &page, err));
+    if (page.depth != 1)
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: has %u slices in a page (ImageDepth), which is not read; save a page for each slice",
+                        source->path, page.depth);
+    if (!take_type(&page, source))
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: samples of %u bits, format %u, must be an integer of 8, 16, 32 or 64 bits, "
+                        "half, float or double",
+                        source->path, page.bits, page.format);
+    NEED(check_order(&notes, source->path, err));
+    NEED(choose(&notes, &page, source, &slices, err));
+    NEED(take_geometry(source, &page, slices, &notes, err));
+    return iso_source_check_packed(source, source->path, (double)size_of(r), most_of(page.compression), err);
 }
 
 static iso_status open_tiff(iso_volume_source *source, iso_error *err)

@@ -100,11 +100,10 @@ static iso_status copy(struct archive *a, const char *path, FILE *out, double mo
 static iso_status read_packer(const char *path, size_t *packer, iso_error *err)
 {
     unsigned char head[MOST_MAGIC];
-    FILE *f = fopen(path, "rb");
+    ENDED_BY(iso_close_file) FILE *f = fopen(path, "rb");
     if (!f)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
     *packer = find_packer(head, fread(head, 1, sizeof head, f));
-    fclose(f);
     return *packer < PACKERS ? ISO_OK : iso_fail(err, ISO_E_FORMAT, "%s: is not packed", path);
 }
 
@@ -143,9 +142,8 @@ iso_status iso_unpack(const char *path, iso_unpacked *file, iso_error *err)
     *file = (iso_unpacked){.folder = iso_make_temp_dir()};
     if (!file->folder)
         return iso_temp_dir_fail(err);
-    char *name = plain_name(path);
+    FREED char *name = plain_name(path);
     file->path = name ? iso_path_join(file->folder, name) : NULL;
-    free(name);
     const iso_status status = file->path ? unpack_to(path, file, err)
                                          : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     if (status != ISO_OK)

@@ -11,10 +11,9 @@ const char *iso_value_unit_of(const iso_volume_notes *notes)
 
 void iso_value_unit_read(const char *path, const iso_volume_input *input, char unit[ISO_VALUE_UNIT_BYTES])
 {
-    iso_volume_source *source = NULL;
+    ENDED_BY(iso_source_close_owned) iso_volume_source *source = NULL;
     unit[0] = 0;
     if (!path || iso_volume_input_open(path, input, &source, NULL) != ISO_OK)
         return;
     snprintf(unit, ISO_VALUE_UNIT_BYTES, "%s", iso_value_unit_of(&iso_source_volume(source)->notes));
-    iso_source_close(source);
 }

@@ -36,10 +36,9 @@ size_t iso_type_bytes(iso_type type)
 iso_status iso_type_from_name(const char *name, iso_type *type, iso_error *err)
 {
     size_t row = 0;
-    const iso_status status = iso_names_find(&type_names, name, &row, err);
-    if (status == ISO_OK)
-        *type = (iso_type)row;
-    return status;
+    NEED(iso_names_find(&type_names, name, &row, err));
+    *type = (iso_type)row;
+    return ISO_OK;
 }
 
 /* Names of files' types, besides those of iso_type. */

@@ -301,10 +301,7 @@ static iso_status take_bytes(const vti *v, iso_volume_source *source, const unsi
                              iso_error *err)
 {
     const size_t bytes = iso_source_bytes(source), n = v->length_bytes;
-    const iso_status status = iso_source_check_packed(source, source->path, (double)size,
-                                                      v->packed ? packers[v->packer].most : 1, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_check_packed(source, source->path, (double)size, v->packed ? packers[v->packer].most : 1, err));
     source->preloaded = malloc(bytes);
     if (!source->preloaded)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bytes of samples", source->path, bytes);
@@ -322,11 +319,9 @@ static iso_status take_bytes(const vti *v, iso_volume_source *source, const unsi
 static iso_status take_base64(const vti *v, iso_volume_source *source, const char *text, iso_error *err)
 {
     size_t size;
-    unsigned char *data = decode_base64(text, &size);
-    const iso_status status = data ? take_bytes(v, source, data, size, err)
-                                   : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
-    free(data);
-    return status;
+    FREED unsigned char *data = decode_base64(text, &size);
+    return data ? take_bytes(v, source, data, size, err)
+                : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
 }
 
 static iso_status take_text(const vti *v, iso_volume_source *source, iso_error *err)
@@ -403,14 +398,13 @@ static iso_status read_coordinates(vti *v, const iso_volume_source *source, cons
 static iso_status take_coordinates(vti *v, const iso_volume_source *source, iso_error *err)
 {
     const char *tag = strstr(v->text, "<Coordinates");
-    iso_status status = ISO_OK;
-    for (int a = 0; a < 3 && tag && status == ISO_OK; ++a) {
+    for (int a = 0; a < 3 && tag; ++a) {
         tag = strstr(tag + 1, "<DataArray");
-        status = tag ? read_coordinates(v, source, tag, a, err)
-                     : iso_fail(err, ISO_E_FORMAT, "%s: truncated, or without the coordinates of its %c axis",
-                                source->path, 'x' + a);
+        NEED(tag ? read_coordinates(v, source, tag, a, err)
+                 : iso_fail(err, ISO_E_FORMAT, "%s: truncated, or without the coordinates of its %c axis", source->path,
+                            'x' + a));
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status open_vti(iso_volume_source *source, iso_error *err)

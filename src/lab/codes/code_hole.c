@@ -24,7 +24,7 @@ static iso_status hole_of_lattice(const iso_code_points *l, decode_function *dec
                                   double tolerance_deg, iso_hole *hole, iso_error *err)
 {
     const size_t side = (size_t)(l->limit / l->step + 1), most = side * (side + 1) * (side + 2) / 6;
-    iso_vec3 *directions = malloc(most * sizeof *directions);
+    FREED iso_vec3 *directions = malloc(most * sizeof *directions);
     if (!directions)
         return iso_fail(err, ISO_E_MEMORY, "hole: no memory for %zu directions", most);
     size_t count = 0;
@@ -36,9 +36,7 @@ static iso_status hole_of_lattice(const iso_code_points *l, decode_function *dec
                 if (length >= l->min_length && length <= l->max_length)
                     directions[count++] = decode(user, iso_v3(a * scale, b * scale, c * scale));
             }
-    iso_status status = iso_hole_measure(directions, count, tolerance_deg, hole, err);
-    free(directions);
-    return status;
+    return iso_hole_measure(directions, count, tolerance_deg, hole, err);
 }
 
 static iso_vec3 decode_by_code(const void *user, iso_vec3 e)

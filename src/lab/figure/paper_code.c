@@ -218,18 +218,15 @@ static iso_status draw_two(const iso_figure_job *job, iso_page *page, iso_code o
                            iso_error *err)
 {
     iso_paper p;
-    iso_dots dots;
+    OWNED(iso_dots) dots = {0};
     double hole_deg = 0;
-    iso_status status = make_dots(job, own, &dots, err);
-    if (status == ISO_OK && with_hole)
-        status = iso_dots_hole_deg(&dots, &hole_deg, err);
-    TRY(status, row_of_two(&p, job, page, err));
-    if (status == ISO_OK) {
-        put_fact(job, "dots", &dots, hole_deg);
-        put(&p, &dots, hole_deg);
-    }
-    iso_dots_destroy(&dots);
-    return status;
+    NEED(make_dots(job, own, &dots, err));
+    if (with_hole)
+        NEED(iso_dots_hole_deg(&dots, &hole_deg, err));
+    NEED(row_of_two(&p, job, page, err));
+    put_fact(job, "dots", &dots, hole_deg);
+    put(&p, &dots, hole_deg);
+    return ISO_OK;
 }
 
 static void count_directions(const iso_dots *dots, char note[96])

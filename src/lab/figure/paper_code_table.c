@@ -85,7 +85,7 @@ static void draw_table_contents(FILE *gp, double panel_mm, const iso_paper_table
 static iso_status code_table(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
     iso_paper p;
-    iso_paper_table table = {0};
+    OWNED(iso_paper_table) table = {0};
     double longest;
     char note[96];
     const int bits = iso_lab_figure_of(job)->bits ? iso_lab_figure_of(job)->bits : 5; /* the paper's smallest: 32 */
@@ -112,7 +112,6 @@ static iso_status code_table(const iso_figure_job *job, iso_page *page, iso_erro
     json_object_set_new(job->facts, "size", json_integer((json_int_t)size));
     json_object_set_new(job->facts, "entries", json_integer((json_int_t)entries));
     json_object_set_new(job->facts, "longest_move", json_real(longest));
-    iso_paper_table_destroy(&table);
     return ISO_OK;
 }
 

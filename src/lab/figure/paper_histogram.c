@@ -81,7 +81,7 @@ static iso_status put_pixels(const iso_paper *p, const iso_page_box *box, const 
                              iso_error *err)
 {
     const size_t bytes = 3 * j->z.count * j->s.count;
-    unsigned char *rgb = malloc(bytes);
+    FREED unsigned char *rgb = malloc(bytes);
     if (!rgb)
         return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     memset(rgb, 255, bytes);
@@ -90,7 +90,6 @@ static iso_status put_pixels(const iso_paper *p, const iso_page_box *box, const 
             shade(p->job, log((double)j->entry_count_of[e]) / fmax(log(most), 1e-9),
                   rgb + 3 * ((j->s.count - 1 - i) * j->z.count + j->entry_z[e]));
     iso_page_put_colors(p->page, box, rgb, j->z.count, j->s.count);
-    free(rgb);
     return ISO_OK;
 }
 
@@ -245,7 +244,7 @@ static iso_status draw_histograms(const iso_figure_job *job, iso_page *page, con
 static iso_status joint_histogram(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
     const int levels = job->levels ? job->levels - 1 : 2;
-    iso_pyramid p = {0};
+    OWNED(iso_pyramid) p = {0};
     iso_joint joints[MOST_LEVELS] = {{.entry_count = 0}};
     if (levels < 1 || levels > MOST_LEVELS)
         return iso_fail(err, ISO_E_RANGE,
@@ -264,7 +263,6 @@ static iso_status joint_histogram(const iso_figure_job *job, iso_page *page, iso
     }
     for (int k = 0; k < levels; ++k)
         iso_joint_destroy(&joints[k]);
-    iso_pyramid_destroy(&p);
     return status;
 }
 
@@ -355,24 +353,19 @@ static iso_status draw_one_row(const iso_figure_job *job, iso_page *page, const 
 static iso_status joint_row(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
     const int level = job->level ? job->level : 1;
-    iso_pyramid p = {0};
-    iso_joint joint = {.entry_count = 0};
-    iso_status status = load(job, (size_t)level, &p, err);
-    TRY(status, iso_joint_compute(&p, (size_t)level, BITS, ISO_SECOND_VALUE_NONE, job->cli->threads, &joint, err));
-    if (status == ISO_OK) {
-        json_t *rows = json_array();
-        put_fact(rows, (size_t)level, &joint);
-        json_object_set_new(job->facts, "levels", rows);
-        fprintf(
-            iso_page_caption(page),
-            "The joint histogram of %s: the number of voxels of level 0 with a value (across) where level %d has another "
-            "(upward), in logs.",
-            iso_paper_volume_name(job, &shells), level);
-        status = draw_one_row(job, page, &joint, level, err);
-    }
-    iso_joint_destroy(&joint);
-    iso_pyramid_destroy(&p);
-    return status;
+    OWNED(iso_pyramid) p = {0};
+    OWNED(iso_joint) joint = {.entry_count = 0};
+    NEED(load(job, (size_t)level, &p, err));
+    NEED(iso_joint_compute(&p, (size_t)level, BITS, ISO_SECOND_VALUE_NONE, job->cli->threads, &joint, err));
+    json_t *rows = json_array();
+    put_fact(rows, (size_t)level, &joint);
+    json_object_set_new(job->facts, "levels", rows);
+    fprintf(
+        iso_page_caption(page),
+        "The joint histogram of %s: the number of voxels of level 0 with a value (across) where level %d has another "
+        "(upward), in logs.",
+        iso_paper_volume_name(job, &shells), level);
+    return draw_one_row(job, page, &joint, level, err);
 }
 
 const iso_figure_info iso_figure_joint_histogram = {

@@ -74,16 +74,14 @@ static iso_status begin(const iso_figure_job *job, stage *s, bool of_surface, is
     if (iso_lab_figure_of(job)->bricks < 0)
         return iso_fail(err, ISO_E_RANGE, "--bricks is %d, must be a power of two, 2 to 64",
                         iso_lab_figure_of(job)->bricks);
-    iso_status status = iso_paper_load(job, &ripples, &build, &s->pyramid, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_paper_load(job, &ripples, &build, &s->pyramid, err));
     const iso_level *level = &s->pyramid.levels[0];
     if (of_surface)
-        status = iso_paper_surface(job, level, &s->surface, err);
-    TRY(status, iso_paper_scene(job, &own_look, &s->pyramid, &s->scene, err));
-    TRY(status, iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err));
-    TRY(status, iso_mixed_create(&s->mixed, level, brick, coarse, job->cli->threads, err));
-    return status == ISO_OK ? iso_gl_create(&s->gl, NULL, err) : status;
+        NEED(iso_paper_surface(job, level, &s->surface, err));
+    NEED(iso_paper_scene(job, &own_look, &s->pyramid, &s->scene, err));
+    NEED(iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err));
+    NEED(iso_mixed_create(&s->mixed, level, brick, coarse, job->cli->threads, err));
+    return iso_gl_create(&s->gl, NULL, err);
 }
 
 /* Sets the pixels of the whole view from the panel, and the view of the visible border. */
@@ -94,15 +92,13 @@ static iso_status aim(const iso_paper *p, stage *s, iso_error *err)
     iso_vec3 index;
     s->scene.height = (size_t)fmax(1, rint((double)dots * (double)s->scene.height / (double)s->scene.width));
     s->scene.width = dots;
-    iso_status status = iso_scene_resolve(&s->scene, &level->geometry, iso_pyramid_lo(&s->pyramid),
-                                          iso_pyramid_hi(&s->pyramid), &s->view, err);
-    TRY(status, iso_mixed_look(&s->mixed, &s->view, s->surface, SEEN_WIDTH, p->job->cli->threads, &s->seen, err));
-    if (status == ISO_OK && !iso_mixed_find_border(&s->mixed, &s->seen, &index))
-        status = iso_fail(err, ISO_E_RANGE,
-                          "%s: no border between levels is visible; try other --bricks, --view, --tf or --surface",
-                          iso_paper_volume_name(p->job, &ripples));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_scene_resolve(&s->scene, &level->geometry, iso_pyramid_lo(&s->pyramid), iso_pyramid_hi(&s->pyramid),
+                           &s->view, err));
+    NEED(iso_mixed_look(&s->mixed, &s->view, s->surface, SEEN_WIDTH, p->job->cli->threads, &s->seen, err));
+    if (!iso_mixed_find_border(&s->mixed, &s->seen, &index))
+        return iso_fail(err, ISO_E_RANGE,
+                        "%s: no border between levels is visible; try other --bricks, --view, --tf or --surface",
+                        iso_paper_volume_name(p->job, &ripples));
     const double height_mm = 0.9 * (double)s->mixed.nodes.brick_voxels * iso_geometry_mean_spacing_mm(&level->geometry);
     iso_mixed_magnify(&s->view, iso_geometry_to_world(&level->geometry, index), height_mm, &s->near, s->frame);
     s->magnification = 1 / (s->frame[3] - s->frame[1]);
@@ -168,64 +164,54 @@ typedef struct panel {
 
 static iso_status put_overview(const iso_paper *p, stage *s, const panel *one, iso_error *err)
 {
-    iso_image image = {0};
-    const iso_status status = render(s, &s->view, true, true, &image, err);
-    if (status == ISO_OK) {
-        tint(s, &image);
-        const iso_page_box box = iso_paper_picture(p, one->row, one->column, one->title, one->note, &image);
-        const iso_page_box frame = {box.left + s->frame[0] * box.width, box.top + s->frame[1] * box.height,
-                                    (s->frame[2] - s->frame[0]) * box.width, (s->frame[3] - s->frame[1]) * box.height};
-        iso_page_put_rectangle(p->page, &frame, NULL,
-                               &(iso_page_pen){"#000000", 1.7, 0}); /* visible on dark and bright ground */
-        iso_page_put_rectangle(p->page, &frame, NULL, &(iso_page_pen){"#ffffff", 0.7, 0});
-        iso_page_put_scale_bar(p->page, &box, &image, iso_view_mm_per_pixel(&s->view, &s->pyramid.levels[0].geometry));
-    }
-    iso_image_destroy(&image);
-    return status;
+    OWNED(iso_image) image = {0};
+    NEED(render(s, &s->view, true, true, &image, err));
+    tint(s, &image);
+    const iso_page_box box = iso_paper_picture(p, one->row, one->column, one->title, one->note, &image);
+    const iso_page_box frame = {box.left + s->frame[0] * box.width, box.top + s->frame[1] * box.height,
+                                (s->frame[2] - s->frame[0]) * box.width, (s->frame[3] - s->frame[1]) * box.height};
+    iso_page_put_rectangle(p->page, &frame, NULL,
+                           &(iso_page_pen){"#000000", 1.7, 0}); /* visible on dark and bright ground */
+    iso_page_put_rectangle(p->page, &frame, NULL, &(iso_page_pen){"#ffffff", 0.7, 0});
+    iso_page_put_scale_bar(p->page, &box, &image, iso_view_mm_per_pixel(&s->view, &s->pyramid.levels[0].geometry));
+    return ISO_OK;
 }
 
 static iso_status put_near(const iso_paper *p, stage *s, const panel *one, iso_error *err)
 {
-    iso_image image = {0};
-    const iso_status status = render(s, &s->near, one->smooth, one->lit, &image, err);
-    if (status == ISO_OK)
-        iso_paper_picture(p, one->row, one->column, one->title, one->note, &image);
-    iso_image_destroy(&image);
-    return status;
+    OWNED(iso_image) image = {0};
+    NEED(render(s, &s->near, one->smooth, one->lit, &image, err));
+    iso_paper_picture(p, one->row, one->column, one->title, one->note, &image);
+    return ISO_OK;
 }
 
 /* Draws the difference of the lit pictures by the map of --map, with its bar at the right. */
 static iso_status put_difference(const iso_paper *p, stage *s, const panel *one, iso_error *err)
 {
-    iso_image rough = {0}, smooth = {0};
-    iso_status status = render(s, &s->near, false, true, &rough, err);
-    TRY(status, render(s, &s->near, true, true, &smooth, err));
+    OWNED(iso_image) rough = {0}, smooth = {0};
+    NEED(render(s, &s->near, false, true, &rough, err));
+    NEED(render(s, &s->near, true, true, &smooth, err));
     const size_t count = rough.width * rough.height;
-    float *apart = status == ISO_OK ? malloc(count * sizeof *apart) : NULL;
-    if (status == ISO_OK && !apart)
-        status = iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    if (status == ISO_OK) {
-        double most = 1e-6;
-        for (size_t i = 0; i < count; ++i) {
-            apart[i] = 0;
-            for (int c = 0; c < 3; ++c)
-                apart[i] = fmaxf(apart[i], fabsf(rough.rgba[4 * i + (size_t)c] - smooth.rgba[4 * i + (size_t)c]));
-            most = fmax(most, (double)apart[i]);
-        }
-        most = iso_figure_round_up(most);
-        const double range[2] = {0, most};
-        const iso_page_box box = iso_paper_panel(p, one->row, one->column, one->title, one->note),
-                           corner = iso_paper_corner(box);
-        const iso_page_color_bar bar = {.box = {box.left + box.width + 1.2, box.top, 2.2, box.height},
-                                        .map = p->job->map,
-                                        .range = {0, most}};
-        iso_page_put_values(p->page, &corner, apart, rough.width, rough.height, p->job->map, range);
-        iso_page_put_color_bar(p->page, &bar);
+    FREED float *apart = malloc(count * sizeof *apart);
+    if (!apart)
+        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    double most = 1e-6;
+    for (size_t i = 0; i < count; ++i) {
+        apart[i] = 0;
+        for (int c = 0; c < 3; ++c)
+            apart[i] = fmaxf(apart[i], fabsf(rough.rgba[4 * i + (size_t)c] - smooth.rgba[4 * i + (size_t)c]));
+        most = fmax(most, (double)apart[i]);
     }
-    free(apart);
-    iso_image_destroy(&rough);
-    iso_image_destroy(&smooth);
-    return status;
+    most = iso_figure_round_up(most);
+    const double range[2] = {0, most};
+    const iso_page_box box = iso_paper_panel(p, one->row, one->column, one->title, one->note),
+                       corner = iso_paper_corner(box);
+    const iso_page_color_bar bar = {.box = {box.left + box.width + 1.2, box.top, 2.2, box.height},
+                                    .map = p->job->map,
+                                    .range = {0, most}};
+    iso_page_put_values(p->page, &corner, apart, rough.width, rough.height, p->job->map, range);
+    iso_page_put_color_bar(p->page, &bar);
+    return ISO_OK;
 }
 
 static void describe(const iso_paper *p, const stage *s)
@@ -270,12 +256,11 @@ static const panel of_surface[] = {
 
 static iso_status put_panels(const iso_paper *p, stage *s, const panel *panels, size_t count, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
-        status = panels[i].what == NEAR       ? put_near(p, s, &panels[i], err)
-                 : panels[i].what == OVERVIEW ? put_overview(p, s, &panels[i], err)
-                                              : put_difference(p, s, &panels[i], err);
-    return status;
+    for (size_t i = 0; i < count; ++i)
+        NEED(panels[i].what == NEAR       ? put_near(p, s, &panels[i], err)
+             : panels[i].what == OVERVIEW ? put_overview(p, s, &panels[i], err)
+                                          : put_difference(p, s, &panels[i], err));
+    return ISO_OK;
 }
 
 /* Describes a surface in its single color, which needs no bar. */

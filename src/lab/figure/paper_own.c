@@ -35,7 +35,7 @@ iso_status iso_paper_load(const iso_figure_job *job, const iso_paper_own *own, c
 {
     const iso_progress progress = iso_cli_progress(job->cli);
     iso_pyramid_options options = *build;
-    iso_volume v = {0};
+    OWNED(iso_volume) v = {0};
     options.threads = job->cli->threads;
     if (job->input) {
         iso_status status = iso_subject_load_pyramid(job->input, &job->volume, &options, &progress, p, err);
@@ -44,7 +44,6 @@ iso_status iso_paper_load(const iso_figure_job *job, const iso_paper_own *own, c
     }
     iso_status status = own->make(&v, err);
     TRY(status, iso_pyramid_build(&v, own->name, &options, p, &progress, err));
-    iso_volume_destroy(&v);
     return status;
 }
 
@@ -55,15 +54,14 @@ static iso_status own_scene(const iso_figure_job *job, const iso_paper_look *own
     iso_viewpoint from;
     size_t width = own->width, height = own->height;
     double zoom = job->input ? 1 : own->zoom;
-    iso_status status = look->size ? iso_subject_parse_image_size(look->size, &width, &height, err) : ISO_OK;
-    if (status == ISO_OK && look->zoom)
-        status = iso_cli_zoom_parse(look->zoom, &zoom, err);
-    TRY(status, iso_viewpoint_parse(look->view ? look->view : own->view, &from, err));
-    iso_tf_point *points = status == ISO_OK ? malloc(own->point_count * sizeof *points) : NULL;
-    if (status == ISO_OK && !points)
-        status = iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    if (status != ISO_OK)
-        return status;
+    if (look->size)
+        NEED(iso_subject_parse_image_size(look->size, &width, &height, err));
+    if (look->zoom)
+        NEED(iso_cli_zoom_parse(look->zoom, &zoom, err));
+    NEED(iso_viewpoint_parse(look->view ? look->view : own->view, &from, err));
+    iso_tf_point *points = malloc(own->point_count * sizeof *points);
+    if (!points)
+        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
     memcpy(points, own->points, own->point_count * sizeof *points);
     *scene = iso_scene_first(&p->levels[0].geometry, &from, width, height);
     scene->zoom = zoom;

@@ -160,7 +160,7 @@ static void look_from_behind(iso_scene *scene, const iso_geometry *g)
 static iso_status draw_row(const iso_paper *p, stage *s, size_t row, json_t *rows, iso_error *err)
 {
     const iso_geometry *g = &s->pyramid.levels[0].geometry;
-    iso_view view;
+    OWNED(iso_view) view = {0};
     iso_image images[METHODS] = {{0}};
     if (row == 1)
         look_from_behind(&s->scene, g);
@@ -190,7 +190,6 @@ static iso_status draw_row(const iso_paper *p, stage *s, size_t row, json_t *row
     }
     for (int i = 0; i < METHODS; ++i)
         iso_image_destroy(&images[i]);
-    iso_view_destroy(&view);
     return status;
 }
 
@@ -205,15 +204,13 @@ static iso_status draw_rows(const iso_figure_job *job, iso_page *page, stage *s,
     iso_paper_row rows[VIEWS] = {row, row};
     iso_paper p;
     rows[1].has_titles = false;
-    iso_status status = iso_paper_lay_out(&p, job, page, rows, VIEWS, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_paper_lay_out(&p, job, page, rows, VIEWS, err));
     const size_t dots = iso_paper_dots(&p, 0);
     s->scene.height = (size_t)fmax(1, rint((double)dots * row.aspect));
     s->scene.width = dots;
-    for (size_t i = 0; i < VIEWS && status == ISO_OK; ++i)
-        status = draw_row(&p, s, i, pictures, err);
-    return status;
+    for (size_t i = 0; i < VIEWS; ++i)
+        NEED(draw_row(&p, s, i, pictures, err));
+    return ISO_OK;
 }
 
 static iso_status palette_views(const iso_figure_job *job, iso_page *page, iso_error *err)

@@ -24,15 +24,13 @@ static iso_status render(void *user, size_t column, size_t width, size_t height,
     const iso_geometry *geometry = &b->subject.pyramid.levels[0].geometry;
     const iso_brick_field field = {&b->nodes, b->levels[column > 0], column == 1 ? ISO_FACES_OWN : ISO_FACES_BAKED};
     const iso_gl_brick_options opt = iso_gl_brick_defaults();
-    iso_view view = {0};
+    OWNED(iso_view) view = {0};
     scene.width = width, scene.height = height;
-    iso_status status = iso_scene_resolve(&scene, geometry, iso_pyramid_lo(&b->subject.pyramid),
-                                          iso_pyramid_hi(&b->subject.pyramid), &view, err);
-    TRY(status, iso_gl_render_bricks(b->gl, &field, &view, &opt, image, NULL, err));
-    if (status == ISO_OK)
-        *mm_per_pixel = iso_view_mm_per_pixel(&view, geometry);
-    iso_view_destroy(&view);
-    return status;
+    NEED(iso_scene_resolve(&scene, geometry, iso_pyramid_lo(&b->subject.pyramid), iso_pyramid_hi(&b->subject.pyramid),
+                           &view, err));
+    NEED(iso_gl_render_bricks(b->gl, &field, &view, &opt, image, NULL, err));
+    *mm_per_pixel = iso_view_mm_per_pixel(&view, geometry);
+    return ISO_OK;
 }
 
 /* Alternates levels, so that neighbors across every face differ by one level. */

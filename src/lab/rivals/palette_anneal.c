@@ -236,7 +236,7 @@ iso_status iso_rival_palette_anneal(const iso_direction_set *set, const iso_riva
         return status;
     iso_random random = {opt->fit.seed};
     iso_tessellation own = {0};
-    annealer a;
+    OWNED(annealer) a = {0};
     status = annealer_create(&a, set, opt->fit.directions, &random, err);
     if (status == ISO_OK) {
         anneal(&a, &opt->anneal, &random, &own);
@@ -252,6 +252,5 @@ iso_status iso_rival_palette_anneal(const iso_direction_set *set, const iso_riva
         *tessellation = own;
     if (status != ISO_OK)
         iso_palette_destroy(palette);
-    annealer_destroy(&a);
     return status;
 }

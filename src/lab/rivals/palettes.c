@@ -52,14 +52,11 @@ static iso_status fit_greedy(const iso_direction_set *set, const iso_rival_optio
                              iso_error *err)
 {
     iso_random random = {opt->fit.seed};
-    clusters c;
-    iso_status status = iso_clusters_create(&c, set, opt->fit.directions, err);
-    TRY(status, iso_clusters_seed_greedy(&c, &random, err));
-    if (status == ISO_OK)
-        iso_clusters_lloyd(&c, 200);
-    TRY(status, iso_clusters_to_palette(&c, palette, err));
-    iso_clusters_destroy(&c);
-    return status;
+    ENDED_BY(iso_clusters_destroy) clusters c = {0};
+    NEED(iso_clusters_create(&c, set, opt->fit.directions, err));
+    NEED(iso_clusters_seed_greedy(&c, &random, err));
+    iso_clusters_lloyd(&c, 200);
+    return iso_clusters_to_palette(&c, palette, err);
 }
 
 /* ---- all methods --------------------------------------------------------------------- */

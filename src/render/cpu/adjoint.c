@@ -76,7 +76,7 @@ iso_status iso_adjoint_differentiate(const iso_adjoint_field *field, const iso_v
                                      iso_error *err)
 {
     prepared p;
-    float *table = gradient->table ? calloc(4 * view->tf.count, sizeof *table) : NULL;
+    FREED float *table = gradient->table ? calloc(4 * view->tf.count, sizeof *table) : NULL;
     iso_status status = prepare(field, view, tile->width, &p, err);
     if (status == ISO_OK && gradient->table && !table)
         status = iso_fail(err, ISO_E_MEMORY, "adjoint: no memory for %zu entries", view->tf.count);
@@ -87,6 +87,5 @@ iso_status iso_adjoint_differentiate(const iso_adjoint_field *field, const iso_v
     if (status == ISO_OK && table)
         add_table(view, p.cast.step_mm, table, gradient->table);
     free(p.entries);
-    free(table);
     return status;
 }

@@ -33,14 +33,13 @@ static size_t count_bricks(const iso_cast_maker *m, const iso_cast_blocks *b)
     enum { BLOCKS = ISO_CAST_BRICK >> ISO_CAST_BLOCK_SHIFT };
     const size_t *n = m->brick_count, bricks = n[0] * n[1] * n[2];
     size_t count = 0;
-    uint8_t *shows = b ? calloc(bricks, 1) : NULL;
+    FREED uint8_t *shows = b ? calloc(bricks, 1) : NULL;
     for (size_t i = 0; shows && i < b->blocks; ++i) {
         const size_t at[3] = {i % b->count[0], i / b->count[0] % b->count[1], i / (b->count[0] * b->count[1])};
         shows[at[0] / BLOCKS + n[0] * (at[1] / BLOCKS + n[1] * (at[2] / BLOCKS))] |= b->octants[i] == 0;
     }
     for (size_t i = 0; i < bricks; ++i)
         count += !shows || shows[i];
-    free(shows);
     return count;
 }
 

@@ -191,13 +191,12 @@ static iso_status set_codes(iso_cpu_scene *s, const iso_cast_grid *grid, const i
 
 static iso_status set_vectors(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_sampler *sampler, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (int a = 0; a < 3 && status == ISO_OK; ++a) {
+    for (int a = 0; a < 3; ++a) {
         float *made = iso_cast_brick_component(grid, sampler, a);
         s->cast.vectors[a] = made;
-        status = iso_cast_own(s, made, grid->voxels * sizeof *made, err);
+        NEED(iso_cast_own(s, made, grid->voxels * sizeof *made, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status set_directions(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_level *level, iso_code code,
@@ -267,13 +266,12 @@ static iso_status set_level(iso_cpu_scene *s, const iso_cast_grid *grid, const i
         s->cast.brick_stride[a] = stride;
         stride = (int32_t)((size_t)stride * grid->count[a]);
     }
-    iso_status status = has_codes ? set_codes(s, grid, level, code, err) : set_scalar(s, grid, level, err);
-    if (status == ISO_OK && is_lit && !has_codes)
-        status = set_directions(s, grid, level, code, opt->source, err);
-    if (status == ISO_OK && view->tf_2d)
-        status = set_bytes(s, grid, view->tf_2d->bytes, &s->cast.second, err);
-    TRY(status, set_bytes(s, grid, view->extinction_scale, &s->cast.scale, err));
-    return status;
+    NEED(has_codes ? set_codes(s, grid, level, code, err) : set_scalar(s, grid, level, err));
+    if (is_lit && !has_codes)
+        NEED(set_directions(s, grid, level, code, opt->source, err));
+    if (view->tf_2d)
+        NEED(set_bytes(s, grid, view->tf_2d->bytes, &s->cast.second, err));
+    return set_bytes(s, grid, view->extinction_scale, &s->cast.scale, err);
 }
 
 /* ---- the transfer function ---- */
@@ -361,21 +359,19 @@ static iso_status set_blocks(iso_cpu_scene *s, const iso_level *level, iso_code 
                              const iso_cpu_options *opt, iso_error *err)
 {
     const bool looks = opt->skip != ISO_CPU_SKIP_NEVER;
-    iso_tf_table envelope = {0};
-    iso_cast_blocks blocks = {0};
-    iso_status status = view->tf_2d ? iso_tf_2d_envelope(view->tf_2d, &envelope, err) : ISO_OK;
-    if (status == ISO_OK && looks)
-        status = iso_cast_blocks_create(&blocks, level, view->tf_2d ? &envelope : &view->tf, s->threads, err);
+    OWNED(iso_tf_table) envelope = {0};
+    OWNED(iso_cast_blocks) blocks = {0};
+    if (view->tf_2d)
+        NEED(iso_tf_2d_envelope(view->tf_2d, &envelope, err));
+    if (looks)
+        NEED(iso_cast_blocks_create(&blocks, level, view->tf_2d ? &envelope : &view->tf, s->threads, err));
     const bool skips = looks && (opt->skip == ISO_CPU_SKIP_ALWAYS || blocks.occupied <= ISO_CPU_SKIP_OCCUPIED);
-    if (status == ISO_OK && makes_bricks(level, view, opt))
-        status = iso_cast_make_on_demand(
-            &s->maker, &s->cast,
-            &(iso_cast_made){level, code, iso_cast_scalars_of(level), skips ? &blocks : NULL, s->threads}, err);
-    if (status == ISO_OK && skips)
-        status = iso_cast_use_blocks(s, &level->geometry, view, &blocks, err);
-    iso_cast_blocks_destroy(&blocks);
-    iso_tf_table_destroy(&envelope);
-    return status;
+    if (makes_bricks(level, view, opt))
+        NEED(iso_cast_make_on_demand(&s->maker, &s->cast,
+                                     &(iso_cast_made){level, code, iso_cast_scalars_of(level), skips ? &blocks : NULL,
+                                                      s->threads},
+                                     err));
+    return skips ? iso_cast_use_blocks(s, &level->geometry, view, &blocks, err) : ISO_OK;
 }
 
 /* ---- all of it ---- */
@@ -413,11 +409,10 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
     s->cast.labels = level->labels;
     s->cast.has_integers = scalars.are_integers;
     set_gradient(&s->cast, level, unit);
-    iso_status status = makes_bricks(level, view, opt) ? check_samples(view, opt, err)
-                                                       : set_level(s, &grid, level, code, view, opt, err);
-    TRY(status, iso_cast_own_tf(s, view, level->min, unit, err));
-    TRY(status, set_blocks(s, level, code, view, opt, err));
-    return status;
+    NEED(makes_bricks(level, view, opt) ? check_samples(view, opt, err)
+                                        : set_level(s, &grid, level, code, view, opt, err));
+    NEED(iso_cast_own_tf(s, view, level->min, unit, err));
+    return set_blocks(s, level, code, view, opt, err);
 }
 
 iso_status iso_cast_begin(iso_cpu_scene **scene, iso_cpu_width width, int threads, iso_error *err)

@@ -60,14 +60,13 @@ static iso_status place_bricks(mixed *m, iso_error *err)
 {
     const iso_node_levels *n = m->field->nodes;
     const size_t count = iso_brick_count(n), places = n->count[2] << m->scene->cast.places_shift[1];
-    uint8_t *visible = malloc(count);
+    FREED uint8_t *visible = malloc(count);
     m->places = malloc(places * sizeof *m->places);
-    iso_status status = iso_cast_own(m->scene, m->places, places * sizeof *m->places, err);
-    if (status == ISO_OK && !visible)
-        status = iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu bricks", count);
-    if (status == ISO_OK)
-        iso_brick_visible(m->field, m->view, &m->view->tf, m->opt->wanted, m->scene->threads, visible);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+    NEED(iso_cast_own(m->scene, m->places, places * sizeof *m->places, err));
+    if (!visible)
+        return iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu bricks", count);
+    iso_brick_visible(m->field, m->view, &m->view->tf, m->opt->wanted, m->scene->threads, visible);
+    for (size_t i = 0; i < count; ++i) {
         int32_t *place = place_of(m, i);
         *place = -1;
         if (!visible[i])
@@ -75,10 +74,9 @@ static iso_status place_bricks(mixed *m, iso_error *err)
         *place = (int32_t)(m->node_count << ISO_CAST_LEVEL_BITS | m->field->levels[i]);
         m->node_count += nodes_of(m->field, i);
         if (m->node_count > MOST_NODES)
-            status = iso_fail(err, ISO_E_RANGE, "cpu: the bricks have more than %d nodes", (int)MOST_NODES);
+            return iso_fail(err, ISO_E_RANGE, "cpu: the bricks have more than %d nodes", (int)MOST_NODES);
     }
-    free(visible);
-    return status;
+    return ISO_OK;
 }
 
 /* ---- the nodes ---- */
@@ -384,15 +382,13 @@ static iso_status fill(mixed *m, iso_error *err)
     const double unit = (n->max - n->min) / (m->opt->node_bits == 16 ? 65535 : 1);
     NEED(check(m, step_voxels, err));
     set_volume(m, step_voxels);
-    iso_status status = place_bricks(m, err);
-    TRY(status, make_nodes(m, err));
-    TRY(status, iso_cast_own_tf(m->scene, m->view, n->min, unit, err));
-    if (status == ISO_OK && m->opt->skip != ISO_CPU_SKIP_NEVER)
-        status = begin_blocks(m, err);
-    TRY(status, bake_bricks(m, err));
-    if (status == ISO_OK && m->blocks.cells)
-        status = end_blocks(m, err);
-    return status;
+    NEED(place_bricks(m, err));
+    NEED(make_nodes(m, err));
+    NEED(iso_cast_own_tf(m->scene, m->view, n->min, unit, err));
+    if (m->opt->skip != ISO_CPU_SKIP_NEVER)
+        NEED(begin_blocks(m, err));
+    NEED(bake_bricks(m, err));
+    return m->blocks.cells ? end_blocks(m, err) : ISO_OK;
 }
 
 iso_status iso_cpu_prepare_bricks(iso_cpu_scene **scene, const iso_brick_field *field, const iso_view *view,

@@ -246,13 +246,11 @@ static iso_status load_page(paged *p, size_t page, iso_error *err)
     float scalars[ISO_CAST_VOXELS];
     uint8_t codes[3 * ISO_CAST_VOXELS];
     const iso_cast_box box = iso_cast_box_of(p->level->geometry.size, p->brick_count, (size_t)p->holds[page]);
-    iso_status status = iso_level_pages_scalars(p->pages, box.first, box.count, scalars, err);
-    if (status == ISO_OK && p->is_lit)
-        status = iso_level_pages_codes(p->pages, box.first, box.count, codes, err);
-    if (status == ISO_OK)
-        iso_cast_pool_fill(&p->voxels, &p->scalars, p->cast.is_signed, p->level->geometry.size, &box, scalars, codes,
-                           page);
-    return status;
+    NEED(iso_level_pages_scalars(p->pages, box.first, box.count, scalars, err));
+    if (p->is_lit)
+        NEED(iso_level_pages_codes(p->pages, box.first, box.count, codes, err));
+    iso_cast_pool_fill(&p->voxels, &p->scalars, p->cast.is_signed, p->level->geometry.size, &box, scalars, codes, page);
+    return ISO_OK;
 }
 
 /* Gives the oldest page to a brick. Its own brick has to be asked for again. */
@@ -314,15 +312,14 @@ static size_t cast_all(paged *p, float *rgba)
 static iso_status draw(paged *p, iso_image *image, const iso_progress *progress, iso_error *err)
 {
     const double rays = (double)image->width * (double)image->height;
-    iso_status status = ISO_OK;
-    for (size_t waiting = 1; waiting > 0 && status == ISO_OK;) {
+    for (size_t waiting = 1; waiting > 0;) {
         waiting = cast_all(p, image->rgba);
         ++p->stats->passes;
         iso_progress_report(progress, "draw", fmax(0, 1 - (double)waiting / rays));
         if (waiting > 0)
-            status = load_pages(p, choose(p), err);
+            NEED(load_pages(p, choose(p), err));
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_cpu_render_paged(const iso_level *level, iso_code code, const iso_level_pages *pages,

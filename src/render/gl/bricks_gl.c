@@ -160,22 +160,18 @@ static iso_status upload_layout(const iso_gl *gl, const iso_node_levels *n, cons
                                 brick_textures *t, iso_error *err)
 {
     size_t count = iso_brick_count(n);
-    float *texels = malloc(4 * count * sizeof *texels);
+    FREED float *texels = malloc(4 * count * sizeof *texels);
     if (!texels)
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for the layout of %zu bricks", count);
     for (size_t i = 0; i < 4 * count; ++i)
         texels[i] = i % 4 == 3 ? pack->layout[i] : (float)(((double)pack->layout[i] + 0.5) / (double)pack->size[i % 4]);
     glActiveTexture(GL_TEXTURE0 + UNIT_LAYOUT);
-    iso_status status = iso_gl_create_texture_3d(gl, GL_RGBA32F, n->count, "a brick layout", &t->layout, err);
-    if (status == ISO_OK) {
-        glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-        glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, (GLsizei)n->count[0], (GLsizei)n->count[1], (GLsizei)n->count[2],
-                        GL_RGBA, GL_FLOAT, texels);
-        status = iso_gl_check("uploading the brick layout", err);
-    }
-    free(texels);
-    return status;
+    NEED(iso_gl_create_texture_3d(gl, GL_RGBA32F, n->count, "a brick layout", &t->layout, err));
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, (GLsizei)n->count[0], (GLsizei)n->count[1], (GLsizei)n->count[2],
+                    GL_RGBA, GL_FLOAT, texels);
+    return iso_gl_check("uploading the brick layout", err);
 }
 
 /* Uploads the distances to the nearest visible brick; they replace visible[b]. */

@@ -17,19 +17,18 @@ iso_status iso_gl_upload_bytes(const iso_gl *gl, const iso_level *level, const u
 {
     const size_t *size = level->geometry.size, plane_count = size[0] * size[1];
     const bool wide = needs_16_bits(gl);
-    iso_status status = iso_gl_create_texture_3d(gl, wide ? GL_R16 : GL_R8, size, what, texture, err);
-    uint16_t *plane = wide ? malloc(plane_count * sizeof *plane) : NULL;
-    if (status == ISO_OK && wide && !plane)
-        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu bytes", plane_count);
-    for (size_t z = 0; z < size[2] && status == ISO_OK; ++z) {
+    NEED(iso_gl_create_texture_3d(gl, wide ? GL_R16 : GL_R8, size, what, texture, err));
+    FREED uint16_t *plane = wide ? malloc(plane_count * sizeof *plane) : NULL;
+    if (wide && !plane)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu bytes", plane_count);
+    for (size_t z = 0; z < size[2]; ++z) {
         for (size_t i = 0; wide && i < plane_count; ++i)
             plane[i] = (uint16_t)(bytes[z * plane_count + i] * 257);
         glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED,
                         wide ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE,
                         wide ? (const void *)plane : bytes + z * plane_count);
     }
-    free(plane);
-    return status;
+    return ISO_OK;
 }
 
 /* ---- codes ------------------------------------------------------------------------------------------------------ */
@@ -152,10 +151,8 @@ iso_status iso_gl_upload_vectors(const iso_gl *gl, const iso_level *level, iso_c
     size_t plane_count = size[0] * size[1];
     if (source == ISO_FROM_FLOAT && !level->directions)
         return iso_fail(err, ISO_E_RANGE, "gl: the level holds no float directions; build with --keep-float");
-    iso_status status = iso_gl_create_texture_3d(gl, extinction_scale ? GL_RGBA32F : GL_RGB32F, size,
-                                                 "float directions", &d->texture, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gl_create_texture_3d(gl, extinction_scale ? GL_RGBA32F : GL_RGB32F, size, "float directions", &d->texture,
+                                  err));
     float *plane = malloc((extinction_scale ? 7 : 3) * plane_count * sizeof *plane);
     if (!plane)
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu directions", plane_count);

@@ -149,7 +149,6 @@ static iso_status draw_picture(const iso_gl *gl, size_t width, size_t height, co
                  tiles = columns * ((height + ISO_SCREEN_TILE - 1) / ISO_SCREEN_TILE);
     const double tile_samples = cover->ray_samples * ISO_SCREEN_TILE * ISO_SCREEN_TILE;
     const size_t band = in_bands ? (size_t)fmin(fmax(gl->band_samples / tile_samples, 1), (double)tiles) : tiles;
-    iso_status status = ISO_OK;
     if (!cover->screen && !in_bands) {
         glDrawArrays(GL_TRIANGLES, 0, 3);
         return ISO_OK;
@@ -159,16 +158,16 @@ static iso_status draw_picture(const iso_gl *gl, size_t width, size_t height, co
                                     (GLfloat)cover->background[2], 0};
         glClearBufferfv(GL_COLOR, 0, nothing);
     }
-    for (size_t first = 0, end; status == ISO_OK && first < tiles; first = end) {
+    for (size_t first = 0, end; first < tiles; first = end) {
         end = first + band < tiles ? first + band : tiles;
         draw_tiles(cover->screen, columns, first, end);
         if (in_bands) {
             glFinish();
             iso_progress_report(progress, "draw", (double)end / (double)tiles);
-            status = iso_progress_check(progress, err);
+            NEED(iso_progress_check(progress, err));
         }
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_gl_draw(iso_gl *gl, GLuint program, size_t width, size_t height, iso_gl_cover cover, float *rgba,

@@ -9,9 +9,7 @@ iso_status iso_gl_upload_indices(const iso_gl *gl, const iso_level *level, GLuin
     if (!level->palette || !level->palette_index)
         return iso_fail(err, ISO_E_RANGE, "gl: the level holds no palette, and directions from one are asked for");
     bool bytes = level->palette->count <= 256;
-    iso_status status = iso_gl_create_texture_3d(gl, bytes ? GL_R8UI : GL_R16UI, size, "palette indices", texture, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gl_create_texture_3d(gl, bytes ? GL_R8UI : GL_R16UI, size, "palette indices", texture, err));
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     uint8_t *plane = bytes ? malloc(plane_count) : NULL;
@@ -40,10 +38,9 @@ iso_status iso_gl_upload_palette(const iso_gl *gl, const iso_palette *palette, c
         iso_vec3 d = view->lights[i].direction;
         lights[i] = (iso_palette_light){{d.x, d.y, d.z}, view->lights[i].intensity};
     }
-    float *shade = malloc(palette->count * sizeof *shade), *row = malloc(4 * palette->count * sizeof *row);
-    iso_status status = ISO_OK;
+    FREED float *shade = malloc(palette->count * sizeof *shade), *row = malloc(4 * palette->count * sizeof *row);
     if (!shade || !row) {
-        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu palette entries", palette->count);
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu palette entries", palette->count);
     } else {
         iso_palette_shade(palette, &shading, shade);
         for (size_t i = 0; i < palette->count; ++i) {
@@ -51,9 +48,7 @@ iso_status iso_gl_upload_palette(const iso_gl *gl, const iso_palette *palette, c
                 row[4 * i + c] = palette->xyz[3 * i + c];
             row[4 * i + 3] = shade[i];
         }
-        status = iso_gl_create_texture_rgba32f(gl, palette->count, 1, row, texture, err);
+        NEED(iso_gl_create_texture_rgba32f(gl, palette->count, 1, row, texture, err));
     }
-    free(shade);
-    free(row);
-    return status;
+    return ISO_OK;
 }

@@ -46,7 +46,7 @@ static iso_status shader_text(const iso_gl *gl, const char *name, const char **t
         *text = gl->transition;
     if (!gl->shader_dir)
         return *text ? ISO_OK : iso_fail(err, ISO_E_MISSING, "gl: no shader is named '%s'", name);
-    char *path = iso_path_join(gl->shader_dir, name);
+    FREED char *path = iso_path_join(gl->shader_dir, name);
     if (!path)
         return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a path");
     iso_status status = ISO_OK;
@@ -56,7 +56,6 @@ static iso_status shader_text(const iso_gl *gl, const char *name, const char **t
         status = iso_file_read(path, owned, &size, err);
         *text = *owned;
     }
-    free(path);
     return status;
 }
 
@@ -128,27 +127,26 @@ static iso_status expand(const iso_gl *gl, const char *name, int depth, expansio
 {
     enum { deepest = 8 };
     const char *text;
-    char *owned;
-    iso_status status = shader_text(gl, name, &text, &owned, err);
+    FREED char *owned = NULL;
+    NEED(shader_text(gl, name, &text, &owned, err));
     const int file = ++e->files;
-    if (status == ISO_OK && depth > deepest)
-        status = iso_fail(err, ISO_E_PROGRAM, "gl: shader %s is included from itself", name);
-    TRY(status, append_line_number(e, 1, file, err));
+    if (depth > deepest)
+        return iso_fail(err, ISO_E_PROGRAM, "gl: shader %s is included from itself", name);
+    NEED(append_line_number(e, 1, file, err));
     int line = 1;
-    for (const char *at = text; status == ISO_OK && *at; ++line) {
+    for (const char *at = text; *at; ++line) {
         const char *newline = strchr(at, '\n');
         size_t length = newline ? (size_t)(newline - at) + 1 : strlen(at);
         char included[64];
         if (sscanf(at, "#include \"%63[^\"\n]\"", included) == 1) {
-            status = expand(gl, included, depth + 1, e, err);
-            TRY(status, append_line_number(e, line + 1, file, err));
+            NEED(expand(gl, included, depth + 1, e, err));
+            NEED(append_line_number(e, line + 1, file, err));
         } else {
-            status = append(e, at, length, err);
+            NEED(append(e, at, length, err));
         }
         at += length;
     }
-    free(owned);
-    return status == ISO_OK ? append(e, "\n", 1, err) : status;
+    return append(e, "\n", 1, err);
 }
 
 static iso_status build_program(iso_gl *gl, const char *fragment, const char *defines, GLuint *program, iso_error *err)

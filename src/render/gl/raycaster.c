@@ -80,10 +80,7 @@ static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_
     size_t plane_count = size[0] * size[1];
     const double range = level->max - level->min, multiple = multiple_of(level);
     const bool integers = is_whole_in_16_bits(gl, level);
-    iso_status status = iso_gl_create_texture_3d(gl, integers ? GL_R16 : GL_R32F, size, "a scalar volume", &t->scalar,
-                                                 err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gl_create_texture_3d(gl, integers ? GL_R16 : GL_R32F, size, "a scalar volume", &t->scalar, err));
     if (level->labels) {
         glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
         glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
@@ -134,20 +131,17 @@ static double bytes_of(const level_textures *t)
  * digits. */
 static iso_status upload_sums(const iso_gl *gl, const iso_tf_table *tf, level_textures *t, iso_error *err)
 {
-    iso_tf_integral integral;
-    iso_status status = iso_tf_integral_create(&integral, tf, err);
+    OWNED(iso_tf_integral) integral = {0};
+    NEED(iso_tf_integral_create(&integral, tf, err));
     const size_t count = 4 * tf->count;
-    float *rows = malloc(2 * count * sizeof *rows);
-    if (status == ISO_OK && !rows)
-        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for the integral of %zu entries", tf->count);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+    FREED float *rows = malloc(2 * count * sizeof *rows);
+    if (!rows)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for the integral of %zu entries", tf->count);
+    for (size_t i = 0; i < count; ++i) {
         rows[i] = (float)integral.sums[i];
         rows[count + i] = (float)(integral.sums[i] - (double)rows[i]);
     }
-    TRY(status, iso_gl_create_texture_rgba32f(gl, tf->count, 2, rows, &t->tf_sums, err));
-    free(rows);
-    iso_tf_integral_destroy(&integral);
-    return status;
+    return iso_gl_create_texture_rgba32f(gl, tf->count, 2, rows, &t->tf_sums, err);
 }
 
 /* Uploads the visible range of each tile of pixels. It belongs to a picture, not to the volume: its time counts as
@@ -177,31 +171,27 @@ static iso_status upload_occupancy(const iso_gl *gl, const iso_level *level, con
 {
     if (opt->skip == ISO_GL_SKIP_NEVER)
         return ISO_OK;
-    iso_brick_ranges r;
-    iso_status status = iso_brick_ranges_create(&r, level->scalar, &level->geometry, opt->brick_voxels, err);
-    if (status != ISO_OK)
-        return status;
-    uint8_t *distance = malloc(iso_brick_ranges_count(&r));
+    OWNED(iso_brick_ranges) r = {0};
+    NEED(iso_brick_ranges_create(&r, level->scalar, &level->geometry, opt->brick_voxels, err));
+    FREED uint8_t *distance = malloc(iso_brick_ranges_count(&r));
     if (!distance) {
-        status = iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu bricks", iso_brick_ranges_count(&r));
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu bricks", iso_brick_ranges_count(&r));
     } else {
         double occupied = iso_occupancy_compute(&r, tf, distance);
         t->skip_empty = opt->skip == ISO_GL_SKIP_ALWAYS || opt->surface || occupied <= ISO_GL_SKIP_OCCUPIED;
     }
     /* A segment whose middle is in one brick may begin and end this many further. */
     const size_t reach = opt->preintegrated ? (size_t)ceil(0.5 * opt->step_voxels / (double)opt->brick_voxels) : 0;
-    for (size_t i = 0; status == ISO_OK && reach > 0 && i < iso_brick_ranges_count(&r); ++i)
+    for (size_t i = 0; reach > 0 && i < iso_brick_ranges_count(&r); ++i)
         distance[i] = (uint8_t)(distance[i] > reach ? distance[i] - reach : 0);
-    if (status == ISO_OK && t->skip_empty)
-        status = iso_gl_create_occupancy(gl, r.count, distance, &t->occupancy, err);
-    if (status == ISO_OK && t->skip_empty && !opt->surface)
-        status = upload_reach(gl, level, view,
-                              &(iso_screen_blocks){distance, {r.count[0], r.count[1], r.count[2]},
-                                                   (double)opt->brick_voxels, 0},
-                              t, err);
-    free(distance);
-    iso_brick_ranges_destroy(&r);
-    return status;
+    if (t->skip_empty)
+        NEED(iso_gl_create_occupancy(gl, r.count, distance, &t->occupancy, err));
+    if (t->skip_empty && !opt->surface)
+        NEED(upload_reach(
+            gl, level, view,
+            &(iso_screen_blocks){distance, {r.count[0], r.count[1], r.count[2]}, (double)opt->brick_voxels, 0}, t,
+            err));
+    return ISO_OK;
 }
 
 /* Uploads a 2D transfer function as rows of one texture, and one byte per voxel. The envelope decides which bricks are
