@@ -5,6 +5,7 @@ import enum
 import os
 import pathlib
 import re
+import signal
 import threading
 from ctypes import (POINTER, byref, c_bool, c_char, c_char_p, c_double, c_float, c_int, c_size_t, c_ssize_t, c_ubyte,
                     c_void_p)
@@ -366,19 +367,34 @@ def _call_in_thread(watch, name, arguments):
         finally:
             done.set()
 
-    thread = threading.Thread(target=work, name=name)
-    thread.start()
-    interrupt = None
-    while not done.is_set():  # not thread.join(): interrupted, it takes a running thread for an ended one
+    # An exception between two lines of the main thread would leave this one with freed objects: it waits for the end.
+    failures, handler = [], signal.getsignal(signal.SIGINT)
+
+    def keep(raised):
+        failures.append(raised)
+        watch.canceled.set()
+
+    def on_interrupt(*signal_and_frame):
         try:
-            done.wait(0.05)
-        except BaseException as failure:
-            interrupt = interrupt or failure
-            watch.canceled.set()
-    if interrupt:
-        raise interrupt
-    if outcome[0]:
-        raise outcome[0]
+            handler(*signal_and_frame)
+        except BaseException as raised:
+            keep(raised)
+
+    if callable(handler):
+        signal.signal(signal.SIGINT, on_interrupt)
+    try:
+        threading.Thread(target=work, name=name).start()
+        while not done.is_set():  # not thread.join(): interrupted, it takes a running thread for an ended one
+            try:
+                done.wait(0.05)
+            except BaseException as raised:  # by another signal's handler
+                keep(raised)
+    finally:
+        if callable(handler):
+            signal.signal(signal.SIGINT, handler)
+    for failure in failures + outcome:
+        if failure:
+            raise failure
 
 
 def call_long(name, *arguments, options, progress=None, watch=None):
