@@ -26,5 +26,6 @@ END
 }
 plant a_null_pointer_is_found src/volume/child.c 'if (r && r->process.output >= 0)' 'if (!r && r->process.output >= 0)' core.NullDereference
 plant memory_that_is_freed_twice_is_found src/base/file.c 'free(*data);' 'free(*data), free(*data);' unix.Malloc
+plant memory_that_nothing_owns_is_found src/volume/unpack.c 'FREED ' '' unix.Malloc
 plant an_uninitialized_value_is_found src/base/bigfile.c 'fstat(f->fd, &st) != 0' 'st.st_size == 4' core.UndefinedBinaryOperatorResult
 exit $failed
