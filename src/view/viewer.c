@@ -66,17 +66,30 @@ static const struct {
     {"display.glsl", iso_viewer_display_glsl},      {"overlay.glsl", iso_viewer_overlay_glsl},
 };
 
-/* Writes source text without indentation and lines of comments, a sixth of it. No string in it has several lines. */
+/* Returns the length of the code that `text` begins with, before a comment or the end of its line. */
+static size_t code_length(const char *text)
+{
+    size_t n = 0;
+    for (; text[n] && text[n] != '\n'; ++n)
+        if (text[n] == '/' && (text[n + 1] == '/' || text[n + 1] == '*') && (n == 0 || text[n - 1] == ' '))
+            return n;
+    return n;
+}
+
+/* Writes source text without indentation and comments, a fifth of it. A blank stands before each comment; no string has
+ * several lines or anything like a comment. */
 static void put_code(FILE *f, const char *text)
 {
     while (*text) {
         text += strspn(text, " \n");
-        const size_t line = strcspn(text, "\n");
-        if (line > 0 && strncmp(text, "//", 2) != 0) {
-            fwrite(text, 1, line, f);
-            fputc('\n', f);
-        }
-        text += line;
+        const size_t n = code_length(text);
+        if (n > 0)
+            fprintf(f, "%.*s\n", (int)n, text);
+        text += n;
+        if (strncmp(text, "/*", 2) == 0)
+            text = strstr(text, "*/") + 2;
+        else
+            text += strcspn(text, "\n");
     }
 }
 
