@@ -56,7 +56,7 @@ while read -r name cause; do
     explained='\(explains (100|99[.0-9]*) % of the difference\)'
     check "$name" grep -qE "^$name draws as if $cause $explained: $size\. " <<<"$sentence"
 done <<'END'
-shift the volume stood half a voxel off against all axes
+shift the volume stood half a voxel off toward -x, -y, -z
 gamma the picture were in sRGB
 sign z of the directions had the wrong sign
 units lengths along the ray were in units of the smallest spacing

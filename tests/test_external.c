@@ -127,7 +127,7 @@ static const struct {
     const char *what, *from, *to, *check, *mistake;
 } faults[] = {
     {"half a voxel off", "np.clip(p - 0.5, 0, last)", "np.clip(p, 0, last)", "placement",
-     "the volume stood half a voxel off against all axes"},
+     "the volume stood half a voxel off toward -x, -y, -z"},
     {"mirrored along x", "grid[z, y, x]", "grid[z, y, last[0] - x]", "placement", "the volume were mirrored along x"},
     {"the volume of another day", "np.concatenate(grids, 3)", "np.concatenate(grids, 3)[::-1, ::-1, ::-1]", "placement",
      "the voxels were stored in reverse order"},

@@ -411,7 +411,7 @@ static json_t *site_sentence(const json_t *renderers)
     json_t *one;
     size_t i;
     iso_words_append(text, sizeof text, "%zu of %zu renderer%s agree%s with the reference in all scenes.", agree, count,
-                     iso_words_plural(count), agree == 1 ? "s" : "");
+                     iso_words_plural(count), count == 1 || agree == 1 ? "s" : "");
     json_array_foreach (renderers, i, one)
         if (iso_row_verdict(one) != ISO_VERDICT_AGREE)
             iso_words_append(text, sizeof text, " %s: %s.", iso_row_text(one, "renderer"), iso_row_text(one, "words"));

@@ -95,7 +95,8 @@ function arrange() {
         order.rows.sort((x, y) => sign * (typeof key(x) === 'string' ? key(x).localeCompare(key(y)) : key(x) === key(y) ? 0 : key(x) < key(y) ? -1 : 1) || x - y);
     }
     agreement.body.replaceChildren(...order.rows.map(at => agreement.rows[at]));
-    agreement.count.textContent = order.rows.length === data.agreement.length ? `${order.rows.length} cases` : `${order.rows.length} of ${data.agreement.length} cases`;
+    const shown = order.rows.length, count = data.agreement.length, all = `${count} ${count === 1 ? 'case' : 'cases'}`;
+    agreement.count.textContent = shown === count ? all : `${shown} of ${all}`;
     agreement.heads.forEach((th, i) => th.setAttribute('aria-sort', i !== order.column ? 'none' : order.down ? 'descending' : 'ascending'));
 }
 // label: of the button that shows all rows again; reset: what else it does.

@@ -59,11 +59,11 @@ typedef struct wrong {
     X(shifted_x, "the volume stood half a voxel off along x", w->shift.x -= 0.5)                                    \
     X(shifted_y, "the volume stood half a voxel off along y", w->shift.y -= 0.5)                                    \
     X(shifted_z, "the volume stood half a voxel off along z", w->shift.z -= 0.5)                                    \
-    X(shifted_x_down, "the volume stood half a voxel off against x", w->shift.x += 0.5)                             \
-    X(shifted_y_down, "the volume stood half a voxel off against y", w->shift.y += 0.5)                             \
-    X(shifted_z_down, "the volume stood half a voxel off against z", w->shift.z += 0.5)                             \
+    X(shifted_x_down, "the volume stood half a voxel off toward -x", w->shift.x += 0.5)                             \
+    X(shifted_y_down, "the volume stood half a voxel off toward -y", w->shift.y += 0.5)                             \
+    X(shifted_z_down, "the volume stood half a voxel off toward -z", w->shift.z += 0.5)                             \
     X(shifted, "the volume stood half a voxel off along all axes", w->shift = iso_v3(-0.5, -0.5, -0.5))             \
-    X(shifted_down, "the volume stood half a voxel off against all axes", w->shift = iso_v3(0.5, 0.5, 0.5))         \
+    X(shifted_down, "the volume stood half a voxel off toward -x, -y, -z", w->shift = iso_v3(0.5, 0.5, 0.5))        \
     X(mirrored_x, "the volume were mirrored along x", w->mirrored[0] = true)                                        \
     X(mirrored_y, "the volume were mirrored along y", w->mirrored[1] = true)                                        \
     X(mirrored_z, "the volume were mirrored along z", w->mirrored[2] = true)                                        \
