@@ -119,7 +119,7 @@ typedef enum iso_choice {
     ISO_CHOICE_DIRECTION_FILTER, /* "moments", "naive" ... */
     ISO_CHOICE_SHADING,          /* sources of a renderer's directions: "codes", "float" ... */
     ISO_CHOICE_RENDERER,         /* "reference", "gl" ...: all renderers, installed or not */
-    ISO_CHOICE_EXPORT,           /* "vdb", "nanovdb", "blender", "povray", "pbrt", "mitsuba" */
+    ISO_CHOICE_EXPORT,           /* "vdb", "nanovdb", "blender", "povray", "pbrt", "paraview" */
     ISO_CHOICE_TF,               /* transfer functions that fit any volume: "auto", "ct-bone" ... */
     ISO_CHOICE_VIEW              /* "iso", "front", "left" ... */
 } iso_choice;
@@ -481,7 +481,7 @@ iso_export_options iso_export_defaults(void);
 
 /* Exports levels. Target "vdb": a file NAME.vdb with the grids "density" and "gradient"; scene may be NULL. "nanovdb":
  * NAME.nvdb, the same grids. "blender": NAME.blend, and its grids next to it; needs Blender. "povray": a folder with
- * scene and densities. "pbrt", "mitsuba": a folder with a scene whose medium is baked for that scene. ISO_E_USAGE: an
+ * scene and densities. "pbrt": a folder with a scene whose medium is baked for that scene. ISO_E_USAGE: an
  * unknown target, a missing scene, an option that the target does not have; ISO_E_RANGE; ISO_E_IO; ISO_E_MISSING;
  * ISO_E_PROGRAM. */
 iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const char *target, const char *path,

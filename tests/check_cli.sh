@@ -22,7 +22,7 @@ a_mistyped_action|unknown action "adpt" (did you mean adapt?), must be one of: a
 a_mistyped_preset|"simulatoin" (did you mean simulation?)|render v.nrrd --tf simulatoin -o x.png
 a_mistyped_target|unknown export target "vbd" (did you mean vdb?), must be one of: vdb|export v.nrrd --to vbd -o x.vdb
 no_guess_for_another_word|unknown command "nothing"; isoshade|nothing
-no_target|isoshade export: --to is missing: vdb, nanovdb, blender, povray, pbrt, mitsuba or paraview|export v.nrrd -o x.vdb
+no_target|isoshade export: --to is missing: vdb, nanovdb, blender, povray, pbrt or paraview|export v.nrrd -o x.vdb
 vdb_named_blend|x.blend: the name for --to vdb must end in .vdb|export v.nrrd --to vdb -o x.blend
 nanovdb_named_vdb|x.vdb: the name for --to nanovdb must end in .nvdb|export v.nrrd --to nanovdb -o x.vdb
 a_folder_named_blend|x.blend: ends in .blend as for --to blender|export v.nrrd --to povray -o x.blend

@@ -60,7 +60,7 @@ done
 refuse all_voxels_for_povray 2 "--dense" "$ISOSHADE" export v.nrrd --to povray --scene "$scene" --dense -q -o x
 refuse a_step_for_vdb 2 "--step" "$ISOSHADE" export v.nrrd --to vdb --step 0.5 -q -o x.vdb
 refuse grids_for_blender 2 "--grids" "$ISOSHADE" export v.nrrd --to blender --scene "$scene" --grids levels -q -o x.blend
-refuse an_unknown_target 2 "must be one of: vdb, nanovdb, blender, povray, pbrt, mitsuba, paraview" "$ISOSHADE" export v.nrrd --to maya -q -o x
+refuse an_unknown_target 2 "must be one of: vdb, nanovdb, blender, povray, pbrt, paraview" "$ISOSHADE" export v.nrrd --to maya -q -o x
 refuse adapted_vdb 2 "--adapt" "$ISOSHADE" export v.nrrd --to vdb --adapt -q -o x.vdb
 # A folder of temporary files that is too small for a .blend file, of which Blender says "No such file".
 mkdir small

@@ -28,19 +28,19 @@ blender:    $shared vdb
 renderers:  $shared render vdb povray blender
 plan:       $shared render compare
 bake:       $shared render vdb
-media:      $shared render vdb bake
-targets:    $shared render vdb povray paraview blender compare plan bake media
+pbrt:       $shared render vdb bake
+targets:    $shared render vdb povray paraview blender compare plan bake pbrt
 report:     base image compare
 view:       $shared
-library:    $shared render vdb povray blender renderers compare plan bake media targets view
+library:    $shared render vdb povray blender renderers compare plan bake pbrt targets view
 validate:   $shared render renderers compare bake targets report
 options:    $shared
 chart:      $shared render renderers compare plan report options
 atlas:      $shared render compare report options
 figure:     $shared render renderers compare plan report options chart atlas
 bench:      $shared render vdb povray blender renderers compare plan report validate options
-cli:        $shared render vdb povray blender renderers compare plan bake media targets report view validate options chart atlas figure bench
-lab:        $shared render vdb povray blender renderers compare plan bake media targets report view validate options chart atlas figure bench cli
+cli:        $shared render vdb povray blender renderers compare plan bake pbrt targets report view validate options chart atlas figure bench
+lab:        $shared render vdb povray blender renderers compare plan bake pbrt targets report view validate options chart atlas figure bench cli
 "
 rooms=$(sed -n 's/^\([a-z]*\):.*/\1/p' <<<"$table")
 declare -A may # of each room: what it may include, itself too, each between blanks

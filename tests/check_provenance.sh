@@ -44,7 +44,7 @@ outputs() {
         run export "$plant/s.nrrd" $S --to blender -o "$dir/made/b.blend"
         run export "$plant/s.nrrd" $S --to blender --add "$plant/t.nrrd" -o "$dir/made/two.blend"
     fi
-    for to in pbrt mitsuba paraview; do run export "$plant/s.nrrd" $S --to $to -o "$dir/made/$to"; done
+    for to in pbrt paraview; do run export "$plant/s.nrrd" $S --to $to -o "$dir/made/$to"; done
     run view "$plant/s.nrrd" $S -o "$dir/made/v.html"
     run plan "$plant/s.nrrd" $S -o "$dir/made/plan.json"
     run chart "$plant/s.nrrd" $S --size 8 --budget 0.5 -o "$dir/made/c"

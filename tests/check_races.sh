@@ -27,7 +27,7 @@ command() {
     validate) set -- "${validated[@]}" --size $((8 + b)) -o o --junit o/junit.xml ;;
     validate-resume) set -- "${validated[@]}" --size $((8 + b)) --resume -o o ;;
     validate-suite) set -- validate --suite ../suite --with cpu --quick --size $((8 + b)) -o o ;;
-    to-povray | to-paraview | to-pbrt | to-mitsuba) set -- export ../s.iso --to "${1#to-}" --scene "$shells" --level "$b" -o o ;;
+    to-povray | to-paraview | to-pbrt) set -- export ../s.iso --to "${1#to-}" --scene "$shells" --level "$b" -o o ;;
     scenes-write) set -- scenes ../s.nrrd "${tiny[@]}" --levels $((1 + b)) --write o ;;
     atlas) set -- atlas --case code-poles -o o ;;
     figure) set -- figure ../s.iso --kind tf --level "$b" -o o ;;
@@ -49,7 +49,7 @@ command() {
     exec "$ISOSHADE" "$@" -q --threads 1
 }
 usual="build chart validate to-povray make"
-all="$usual build-resume chart-resume to-pbrt scenes-write render to-vdb tf validate-resume validate-suite to-paraview to-mitsuba atlas figure report to-nanovdb view plan palette histogram"
+all="$usual build-resume chart-resume to-pbrt scenes-write render to-vdb tf validate-resume validate-suite to-paraview atlas figure report to-nanovdb view plan palette histogram"
 # Their outputs have dates and times, so that two runs of one setting differ.
 dated=" chart chart-resume validate validate-resume validate-suite atlas figure report to-vdb "
 

@@ -36,7 +36,7 @@ chain() {
     q export $v.iso --to paraview --tf $v.tf.json -o $v-paraview && q info $v-paraview/*.vti >info.txt &&
         q render $v-paraview/*.vti --tf $v.tf.json --with cpu --size 16 -o $v-vti.exr || return
     same $v-vti.exr $v-tf.exr || return
-    for target in pbrt mitsuba povray; do
+    for target in pbrt povray; do
         q export $v.iso --to $target --tf $v.tf.json --size 16 -o $v-$target || return
     done
     q plan $v.nrrd --tf $v.tf.json --size 16 -o $v.plan.json

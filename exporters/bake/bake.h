@@ -12,10 +12,9 @@
  *      lattice  | x | x | x | x | x | x | x |      x  a point, 3 per voxel; one more around the box, transparent
  *
  * - Extinction is never negative. Renderers read 0 beyond the outermost points, so it fades over one point distance at
- * the
- *   faces of the box; along each line of points the optical depth equals that of the box.
- * - A point whose cell is cut by the box or by clip planes keeps the extinction of the remaining part. - A transparent
- * point has no color of its own; black, or the transfer function's color there, would bleed into its
+ *   the faces of the box; along each line of points the optical depth equals that of the box.
+ * - A point whose cell is cut by the box or by clip planes keeps the extinction of the remaining part.
+ * - A transparent point has no color of its own; black, or the transfer function's color there, would bleed into its
  *   neighbors if extinction and color are interpolated separately. So transparent points next to visible ones (26
  *   neighbors) get the neighbors' mean color, weighted by extinction. Others have none.
  * - Shaded colors are each sample's color times its shade by the level's directions, for renderers without directions,

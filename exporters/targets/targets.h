@@ -22,7 +22,6 @@
     X(blender)                    \
     X(povray)                     \
     X(pbrt)                       \
-    X(mitsuba)                    \
     X(paraview)
 /* clang-format on */
 

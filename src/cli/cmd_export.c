@@ -300,9 +300,9 @@ static const iso_option bake_options[] = {
     {"scene-unit", 0, "vdb, nanovdb, baked: length of one scene unit (mm)", "m|cm|mm|...",
      ISO_IN(iso_bake_words, unit)},
     {"up", 0, "vdb, nanovdb, baked: vertical axis of the scene (z)", "z|y", ISO_IN(iso_bake_words, up)},
-    {"points", 0, "vdb, nanovdb, baked; pbrt, mitsuba: grid points along a voxel's side (1)", "N",
+    {"points", 0, "vdb, nanovdb, baked; pbrt: grid points along a voxel's side (1)", "N",
      ISO_IN(iso_bake_words, points)},
-    {"supersample", 0, "vdb, nanovdb, baked; pbrt, mitsuba: averaged samples along a point's cell (2)", "N",
+    {"supersample", 0, "vdb, nanovdb, baked; pbrt: averaged samples along a point's cell (2)", "N",
      ISO_IN(iso_bake_words, samples)},
     {"usd", 0, "vdb, baked: also write a .usda with the grids", NULL, ISO_IN(iso_bake_words, usd)},
     ISO_OPTIONS_END,
@@ -369,7 +369,7 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 
 const iso_command iso_command_export = {
     .name = "export",
-    .summary = "export a level to OpenVDB, NanoVDB, Blender, POV-Ray, pbrt, Mitsuba or ParaView",
+    .summary = "export a level to OpenVDB, NanoVDB, Blender, POV-Ray, pbrt or ParaView",
     .min_arguments = 1,
     .max_arguments = 1,
     .usage = "VOLUME|PYRAMID.iso --to TARGET -o PATH [options]",
@@ -380,8 +380,8 @@ const iso_command iso_command_export = {
         "vdb with --bake, or --for PROGRAM: extinction and color for other programs. The change of the picture is measured in\n"
         "the scene. (build --for SCENE is different: it makes levels for a scene.)\n"
         "nanovdb: the same grids as vdb, baked or not, in NanoVDB files.\n"
-        "pbrt, mitsuba: a medium of baked grids, its colors shaded for the scene's camera and lights; pbrt-v4 emits and absorbs\n"
-        "(run `pbrt scene.pbrt` in the folder), Mitsuba 3 only absorbs (`mitsuba scene.xml`).\n"
+        "pbrt: a medium of baked grids that emits and absorbs, its colors shaded for the scene's camera and lights; run\n"
+        "`pbrt scene.pbrt` in the folder.\n"
         "paraview: a .vti and a state that ParaView loads and `pvbatch NAME.py` renders (see\n"
         "doc/guide/other-programs.md).\n"
         "povray: run `povray NAME.ini` in the folder. Without --scene you get a first picture, as with\n"
@@ -405,7 +405,6 @@ const iso_command iso_command_export = {
         "  isoshade export shells.nrrd --to vdb --scene refscenes/shells.scene.json --for karma -o karma.vdb\n"
         "  isoshade export shells.nrrd --to nanovdb -o shells.nvdb\n"
         "  isoshade export shells.nrrd --to pbrt --scene refscenes/shells.scene.json --level 1 -o shells-pbrt\n"
-        "  isoshade export shells.nrrd --to mitsuba --scene refscenes/shells.scene.json --level 1 -o shells-mitsuba\n"
         "  isoshade export shells.nrrd --to paraview --scene refscenes/shells.scene.json -o shells-paraview\n"
         "  isoshade make shells --size 16 -o step_1.nrrd\n"
         "  isoshade make noise --size 16 -o step_2.nrrd\n"

@@ -5,8 +5,9 @@
  * they have, but the samples show it. Intensities pass through values in between from one region to the next, because
  * the scanner's or the grid's resolution blurs borders, and noise changes them from voxel to voxel. Labels change in
  * one step, to a name that is the next number only by chance. So for three samples in a row along an axis, with at
- * least one change: - few labels change twice (noise, or the slope of a blurred border): at most MAX_TWICE of them; -
- * and few changes of labels go to the next value that the volume has (the slope of a smooth field): at most MAX_NEXT.
+ * least one change:
+ * - few labels change twice (noise, or the slope of a blurred border): at most MAX_TWICE of them;
+ * - few changes of labels go to the next value that the volume has (the slope of a smooth field): at most MAX_NEXT.
  * Labels are few: 3 to MAX_COUNT values, with MIN_VOXELS voxels each on average. Two values are never labels by this
  * rule, as no third value between them could be wrong. The rule takes labels that are nested by their numbers, or
  * mostly one voxel thin, for intensities; then the user decides (--labels, --no-labels). */

@@ -60,7 +60,6 @@ COMMANDS = {
     "export nanovdb": ("s.iso", "export s.iso --scene {S} --to nanovdb -o o.nvdb -q"),
     "export povray": ("s.iso", "export s.iso --scene {S} --to povray -o o -q"),
     "export pbrt": ("s.iso", "export s.iso --scene {S} --to pbrt -o o -q"),
-    "export mitsuba": ("s.iso", "export s.iso --scene {S} --to mitsuba -o o -q"),
     "export paraview": ("s.iso", "export s.iso --scene {S} --to paraview -o o -q"),
     "view": ("s.iso", "view s.iso --scene {S} --size 16 -o o.html -q"),
     "report diff --worse": ("r b.json", "report diff b.json r --worse -q"),

@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-/* pbrt.c - a scene of pbrt-v4: https://pbrt.org/fileformat-v4
+/* scene.c - the files of pbrt-v4: https://pbrt.org/fileformat-v4
  *
- * - An "rgbgrid" without sigma_s gets 1 everywhere, so zeros are written. - Le is the color times the illuminant of the
- * color space, without the factor that lights have. Lescale is 1 over pbrt's
- *   integral of the luminous efficiency, 106.856895, to which its illuminants are scaled.
+ * - An "rgbgrid" without sigma_s gets 1 everywhere, so zeros are written.
+ * - Le is the color times the illuminant of the color space, without the factor that lights have. Lescale is 1 over
+ *   pbrt's integral of the luminous efficiency, 106.856895, to which its illuminants are scaled.
  * - Matrices are stored column by column. The camera looks along its z axis with x to the right, so the transform from
- * the
- *   world is written unchanged, without mirroring.
+ *   the world is written unchanged, without mirroring.
  * - The medium follows the camera, whose transform pbrt needs first, and precedes the world, because a camera inside
- * the
- *   medium refers to it. */
+ *   the medium refers to it. */
+#include <ctype.h>
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
+#include <string.h>
 
-#include "media/media.h"
+#include "base/file.h"
+#include "base/provenance.h"
+#include "pbrt/pbrt.h"
 
 static const double le_scale = 1 / 106.856895;
 
@@ -73,12 +75,20 @@ static void print_box(FILE *f, const size_t size[3])
         " ]\n    \"integer indices\" [ 0 2 3 0 3 1  4 5 7 4 7 6  0 1 5 0 5 4  2 6 7 2 7 3  0 4 6 0 6 2  1 3 7 1 7 5 ]\n");
 }
 
+/* Prints the volume's name, in characters that comments can hold, and a note on optimized values. */
+static void print_source(FILE *f, const iso_medium *m)
+{
+    for (const char *c = iso_provenance_title(m->made_from); *c; ++c)
+        fputc(isalnum((unsigned char)*c) || strchr("._ ", *c) ? *c : '_', f);
+    fputs(m->baked->level->is_optimized ? "; values: " ISO_OPTIMIZED_VALUES : "", f);
+}
+
 static void print_scene(FILE *f, const iso_medium *m)
 {
     const iso_view *view = m->baked->view;
     const double *b = m->background;
     fprintf(f, "# isoshade, pbrt-v4: ");
-    iso_medium_print_source(m, f);
+    print_source(f, m);
     fprintf(
         f,
         "\n# A medium of baked grids that emits and absorbs; lengths in %s. Its colors are shaded for this camera and its lights.\n"
@@ -145,15 +155,21 @@ static void print_medium(FILE *f, const iso_medium *m)
 static iso_status write_text(const iso_medium *m, const char *folder, const char *name,
                              void print(FILE *, const iso_medium *), iso_error *err)
 {
-    FREED char *path = NULL;
-    FILE *f;
-    NEED(iso_medium_open(folder, name, &path, &f, err));
+    FREED char *path = iso_path_join(folder, name);
+    if (!path)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
+    FILE *f = fopen(path, "wb");
+    if (!f)
+        return iso_fail(err, iso_errno_status(), "%s: %s", path, strerror(errno));
     print(f, m);
-    return iso_medium_close(f, path, err);
+    const bool failed = ferror(f);
+    if (fclose(f) == 0 && !failed)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_IO, "%s: cannot be written (is the disk full?)", path);
 }
 
-iso_status iso_medium_write_pbrt(const iso_medium *m, const char *folder, iso_error *err)
+iso_status iso_medium_write(const iso_medium *m, const char *folder, iso_error *err)
 {
-    iso_status status = write_text(m, folder, "medium.pbrt", print_medium, err);
-    return status == ISO_OK ? write_text(m, folder, "scene.pbrt", print_scene, err) : status;
+    NEED(write_text(m, folder, "medium.pbrt", print_medium, err));
+    return write_text(m, folder, "scene.pbrt", print_scene, err);
 }

@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: MIT
-"""Reads scenes that isoshade exports for pbrt-v4 and Mitsuba 3, by their formats' own descriptions, and draws them.
+"""Reads scenes that isoshade exports for pbrt-v4, by the format's own description, and draws them.
 
-media_scene.py draw PBRT_FOLDER OUT.exr     the medium's picture, marched in steps of a sixth of a point
-media_scene.py through MITSUBA_FOLDER OUT.exr   what comes through its medium
-media_scene.py same PBRT_FOLDER BAKED.vdb [LIT]  its grids are those of --to vdb --bake density,Cd; LIT: one more file, of the
-                                                gradient, where colors are shaded by the light of check_media.sh
+pbrt_scene.py draw FOLDER OUT.exr         the medium's picture, marched in steps of a sixth of a point
+pbrt_scene.py same FOLDER BAKED.vdb [LIT] its grids are those of --to vdb --bake density,Cd; LIT: one more file, of the
+                                          gradient, where colors are shaded by the light of check_pbrt.sh
 """
 import math
 import os
 import re
-import struct
 import sys
-import xml.etree.ElementTree as xml
 
 import numpy
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "peers"))
+from exr import write_exr  # noqa: E402
 
 DIRECTIVES = {"Film": 1, "PixelFilter": 1, "Sampler": 1, "Integrator": 1, "MediumInterface": 2, "Transform": 0,
               "Camera": 1, "Include": 1, "WorldBegin": 0, "LightSource": 1, "Material": 1, "Shape": 1, "MakeNamedMedium": 1}
@@ -111,44 +111,6 @@ def read_pbrt(folder):
     return scene
 
 
-def read_mitsuba(folder):
-    root, scene = xml.parse(os.path.join(folder, "scene.xml")).getroot(), Scene()
-    assert root.tag == "scene" and root.get("version") == "3.0.0"
-
-    def one(node, tag, **attributes):
-        found = [n for n in node.iter(tag) if all(n.get(k) == v for k, v in attributes.items())]
-        assert len(found) == 1, (tag, attributes, len(found))
-        return found[0]
-
-    def to_world(node):
-        return numpy.array(one(one(node, "transform", name="to_world"), "matrix").get("value").split(), float).reshape(4, 4)
-
-    medium = one(root, "medium", type="heterogeneous", id="volume")
-    assert float(one(medium, "float", name="albedo").get("value")) == 0
-    data = open(os.path.join(folder, one(medium, "string", name="filename").get("value")), "rb").read()
-    magic, encoding, *rest = struct.unpack_from("<4s5i6f", data)
-    nx, ny, nz, channels = rest[:4]
-    assert magic == b"VOL\x03" and encoding == 1 and channels == 1 and len(data) == 48 + 4 * nx * ny * nz
-    scene.sigma = numpy.frombuffer(data, "<f4", offset=48).reshape(nz, ny, nx).astype(float)
-    scene.color = numpy.zeros((nz, ny, nx, 3))
-    placed = to_world(one(medium, "volume", type="gridvolume"))
-    scene.to_grid = numpy.diag([nx, ny, nz, 1.0]) @ numpy.linalg.inv(placed)
-    cube = to_world(one(root, "shape", type="cube"))
-    for corner in ((-1, -1, -1), (1, -1, 1), (1, 1, 1)):
-        assert numpy.allclose(cube @ (*corner, 1), placed @ (*((c + 1) / 2 for c in corner), 1), atol=1e-6)
-    sensor = [n for n in root if n.tag == "sensor"][0]
-    scene.kind, camera = sensor.get("type"), to_world(sensor)
-    film = one(sensor, "film", type="hdrfilm")
-    scene.size = tuple(int(one(film, "integer", name=k).get("value")) for k in ("width", "height"))
-    aspect = scene.size[0] / scene.size[1]
-    scene.view = numpy.linalg.inv(camera @ numpy.diag([-1, 1, 1, 1])) # its x goes to the left
-    # Perspective by the angle along y; an orthographic film is 2 wide, whatever its sides.
-    scene.half = math.tan(math.radians(float(one(sensor, "float", name="fov").get("value")) / 2)) if scene.kind == "perspective" else 1 / aspect
-    scene.window = numpy.array([-aspect, aspect, -1, 1])
-    scene.background = numpy.array(one(one(root, "emitter", type="constant"), "rgb").get("value").split(), float)
-    return scene
-
-
 def lookup(grid, at):
     """Trilinear between the middles of cells, 0 beyond the outermost ones."""
     padded = numpy.pad(grid, [(1, 1)] * 3 + [(0, 0)] * (grid.ndim - 3))
@@ -194,23 +156,6 @@ def march(scene):
     return numpy.dstack([light + through[..., None] * scene.background, 1 - through])
 
 
-def write_exr(path, image):
-    """OpenEXR: uncompressed scan lines of float32 A, B, G, R."""
-    height, width, _ = image.shape
-    text = lambda name, kind, data: name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(data)) + data
-    channels = b"".join(c + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for c in (b"A", b"B", b"G", b"R")) + b"\0"
-    box = struct.pack("<4i", 0, 0, width - 1, height - 1)
-    head = struct.pack("<ii", 20000630, 2) + text("channels", "chlist", channels) + text("compression", "compression", b"\0") + \
-        text("dataWindow", "box2i", box) + text("displayWindow", "box2i", box) + text("lineOrder", "lineOrder", b"\0") + \
-        text("pixelAspectRatio", "float", struct.pack("<f", 1)) + text("screenWindowCenter", "v2f", struct.pack("<ff", 0, 0)) + \
-        text("screenWindowWidth", "float", struct.pack("<f", 1)) + b"\0"
-    line = 8 + 16 * width
-    with open(path, "wb") as out:
-        out.write(head + b"".join(struct.pack("<Q", len(head) + 8 * height + y * line) for y in range(height)))
-        for y in range(height):
-            out.write(struct.pack("<ii", y, 16 * width) + image[y, :, ::-1].astype("<f4").T.tobytes())
-
-
 def check_same(folder, baked, lit):
     try:
         import pyopenvdb as vdb
@@ -250,8 +195,7 @@ def check_same(folder, baked, lit):
 if __name__ == "__main__":
     what, folder, path = sys.argv[1:4]
     if what == "draw":
-        write_exr(path, march(read_pbrt(folder)))
-    elif what == "through":
-        write_exr(path, march(read_mitsuba(folder)))
+        picture = march(read_pbrt(folder))
+        write_exr(path, picture.shape[1], picture.shape[0], picture.astype("f4").ravel())
     else:
         check_same(folder, path, sys.argv[4] if len(sys.argv) > 4 else None)

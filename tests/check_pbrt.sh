@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# export --to pbrt and --to mitsuba: the files as a reader of their formats has them: grids equal to those of --to vdb --bake, and
+# export --to pbrt: the files as a reader of the format has them: grids equal to those of --to vdb --bake, and
 # cameras, axes and units by pictures that are as far from the exact one as was printed.
 . "$(dirname "$0")/lib.sh"
 python_with numpy
@@ -25,7 +25,7 @@ one() { "$ISOSHADE" export "$@" -q; }
 
 expect pbrt 0 one "$name" --to pbrt --scene lit.scene.json --supersample 1 --json -o lit
 cp out lit.json
-has_keys the_report lit.json medium size visible_points max_extinction_per_mm emits camera_is_inside error_shaded
+has_keys the_report lit.json medium size visible_points max_extinction_per_mm camera_is_inside picture error_shaded
 has_files pbrt_writes lit scene.pbrt medium.pbrt
 expect a_turned_volume 0 one turned.nrrd --to pbrt --scene flat.scene.json -o turned
 check it_says_what_baking_changes grep -q '^interpolating shaded colors instead of values: RMSE' out
@@ -33,17 +33,12 @@ turned=$(sed -n 's/^interpolating shaded colors.*RMSE \([0-9.e-]*\),.*/\1/p' out
 expect from_inside 0 one v.nrrd --to pbrt --scene inside.scene.json --json -o inside
 check the_camera_stands_in_the_medium bash -c 'grep -q "camera_is_inside\": true" out && grep -B1 "^Transform" inside/scene.pbrt | head -1 | grep -q "^MediumInterface \"\" \"volume\""'
 inside=$(sed -n '/"error_shaded"/,/}/p' out | sed -n 's/.*"rmse": \([-0-9.e]*\).*/\1/p')
-expect mitsuba 0 one "$name" --to mitsuba --scene lit.scene.json -o absorbs
-check it_says_that_it_absorbs_alone grep -q '^absorption only: ' out
-check so_does_its_file grep -q 'A medium that only absorbs' absorbs/scene.xml
-expect mitsuba_of_a_turned_volume 0 one turned.nrrd --to mitsuba --scene flat.scene.json -o turned-absorbs
-check black_behind_it_becomes_white grep -q '<rgb name="radiance" value="1 1 1"/>' turned-absorbs/scene.xml
 
 if ! "$python" -c 'import numpy' 2>/dev/null; then
     skip the_grids_are_those_that_are_baked "python3-numpy is not installed"
     exit $failed
 fi
-read_scene() { "$python" "$top/tests/media_scene.py" "$@"; }
+read_scene() { "$python" "$top/tests/pbrt_scene.py" "$@"; }
 if "$python" -c 'import pyopenvdb' 2>/dev/null || "$python" -c 'import openvdb' 2>/dev/null; then
     one v.nrrd --to vdb --dense -o directions.vdb >log && one v.nrrd --to vdb --scene lit.scene.json --bake density,Cd --supersample 1 --size 8 -o baked.vdb >>log
     check the_grids_are_those_that_are_baked read_scene same lit baked.vdb directions.vdb
@@ -79,26 +74,9 @@ planted another_unit 's/^Transform \[ 1.2 /Transform [ 0.12 /' scene.pbrt
 planted a_value_too_few '0,/ 0 0 0/s/ 0 0 0/ 0 0/' medium.pbrt
 planted an_open_quote 's/"rgbgrid"/"rgbgrid/' medium.pbrt
 
-# What Mitsuba lets through is what pbrt does of a medium without light of its own.
-for kind in near far; do
-    [ $kind = near ] && volume=v.nrrd camera='"projection": "perspective", "position": [30, -60, 35], "look_at": [0, 0, 0], "up": [0, 0, 1], "fov_y_deg": 28'
-    [ $kind = far ] && volume=turned.nrrd camera='"projection": "orthographic", "position": [-50, -60, 20], "look_at": [0, 0, 0], "up": [0, 0, 1], "height_mm": 28'
-    scene "$camera" "$light" '"ambient": 0, "diffuse": 0, "specular": 0, "power": 1' '0.5, 0.7, 1' >dark.scene.json
-    one $volume --to pbrt --scene dark.scene.json -o dark >log 2>&1 && one $volume --to mitsuba --scene dark.scene.json -o dark-mitsuba >>log 2>&1
-    read_scene draw dark one.exr && read_scene through dark-mitsuba two.exr && "$ISOSHADE" compare one.exr two.exr --json >compare.json 2>err
-    holds "mitsuba_lets_the_same_through_$kind" "$(json_number compare.json max_abs) < 1e-5"
-done
-sed -i 's/value="scene.xml"/&/; s/\(<matrix value="\)\([-0-9.]*\)/\1-\2/' dark-mitsuba/scene.xml
-if read_scene through dark-mitsuba two.exr 2>/dev/null; then
-    "$ISOSHADE" compare one.exr two.exr --json >compare.json 2>/dev/null
-    holds a_mirrored_medium "$(json_number compare.json max_abs) > 0.05"
-else
-    ok a_mirrored_medium
-fi
-
 refuse a_plan 2 "--plan cannot be used with --to pbrt" one v.nrrd --to pbrt --scene lit.scene.json --plan none.json -o x
 refuse grids_that_are_named 2 "--bake and --for cannot be used with --to pbrt" one v.nrrd --to pbrt --bake density -o x
-refuse levels 2 "--levels cannot be used with --to mitsuba" one v.nrrd --to mitsuba --levels 2 -o x
+refuse levels 2 "--levels cannot be used with --to pbrt" one v.nrrd --to pbrt --levels 2 -o x
 refuse points_of_what_is_not_baked 2 "--points needs --bake or --for" one v.nrrd --to vdb --points 2 -o x.vdb
 refuse no_points 2 "--points is 9" one v.nrrd --to pbrt --points 9 -o x
 mkdir mine && echo mine >mine/scene.pbrt

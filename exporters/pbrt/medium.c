@@ -1,14 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "media/media.h"
+#include "pbrt/pbrt.h"
 
-#include <ctype.h>
-#include <errno.h>
 #include <limits.h>
 #include <math.h>
-#include <string.h>
-
-#include "base/file.h"
-#include "base/provenance.h"
 
 static bool shows(const float *point)
 {
@@ -48,8 +42,7 @@ static bool is_inside(const iso_geometry *g, iso_vec3 world)
     return inside;
 }
 
-/* Returns a power of ten that scales small and huge volumes: pbrt and Mitsuba start rays about 1e-4 units off a
- * surface. */
+/* Returns a power of ten that scales small and huge volumes: pbrt starts rays about 1e-4 units off a surface. */
 static double units_per_mm(double radius_mm)
 {
     const double least = 0.1, most = 1e5;
@@ -94,29 +87,4 @@ void iso_medium_point(const iso_medium *m, size_t x, size_t y, size_t z, float *
     *extinction = any ? (float)((double)point[ISO_BAKE_EXTINCTION] / m->units_per_mm) : 0;
     for (int c = 0; c < 3; ++c)
         color[c] = any ? point[ISO_BAKE_COLOR + c] : 0;
-}
-
-void iso_medium_print_source(const iso_medium *m, FILE *f)
-{
-    for (const char *c = iso_provenance_title(m->made_from); *c; ++c)
-        fputc(isalnum((unsigned char)*c) || strchr("._ ", *c) ? *c : '_', f);
-    fputs(m->baked->level->is_optimized ? "; values: " ISO_OPTIMIZED_VALUES : "", f);
-}
-
-iso_status iso_medium_open(const char *folder, const char *name, char **path, FILE **f, iso_error *err)
-{
-    *f = NULL;
-    *path = iso_path_join(folder, name);
-    if (!*path)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
-    *f = fopen(*path, "wb");
-    return *f ? ISO_OK : iso_fail(err, iso_errno_status(), "%s: %s", *path, strerror(errno));
-}
-
-iso_status iso_medium_close(FILE *f, const char *path, iso_error *err)
-{
-    const bool failed = ferror(f);
-    if (fclose(f) == 0 && !failed)
-        return ISO_OK;
-    return iso_fail(err, ISO_E_IO, "%s: cannot be written (is the disk full?)", path);
 }
