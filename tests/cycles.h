@@ -20,9 +20,12 @@ static inline bool cycles_shows_volumes(void)
     return false;
 }
 
-/* Skips the test that calls it, with the reason. Call it before anything is allocated. */
+/* Skips the test that calls it, with the reason. Call it before anything is allocated. Asks once: Blender starts. */
 static inline void need_cycles(void)
 {
-    if (!cycles_shows_volumes())
+    static enum { UNKNOWN, MISSING, THERE } state;
+    if (state == UNKNOWN)
+        state = cycles_shows_volumes() ? THERE : MISSING;
+    if (state == MISSING)
         skip();
 }

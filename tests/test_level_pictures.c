@@ -7,7 +7,7 @@
 
 enum { pixels = 48, levels = 3 };
 static const subject_size size = {pixels, levels, ISO_DIAGONAL_VIEWS};
-static const size_t volume_size[3] = {34, 30, 27};
+static const size_t volume_size[3] = {26, 24, 21}, tubes_size[3] = {34, 30, 27}; /* level 2 of fewer has no tubes */
 
 static iso_scene make_scene(void)
 {
@@ -22,14 +22,15 @@ static iso_field field_of(iso_field_kind kind)
 {
     return (iso_field){.kind = kind,
                        .seed = 3,
-                       .geometry = iso_geometry_axis_aligned(volume_size, (double[]){1, 1.2, 0.9})};
+                       .geometry = iso_geometry_axis_aligned(kind == ISO_FIELD_TUBES ? tubes_size : volume_size,
+                                                             (double[]){1, 1.2, 0.9})};
 }
 
 /* ---- faults ---- */
 
 static void of_another_volume(iso_pyramid *p, size_t level)
 {
-    const iso_field other = field_of(ISO_FIELD_SHELLS);
+    const iso_field other = {.kind = ISO_FIELD_SHELLS, .seed = 3, .geometry = p->levels[0].geometry};
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = levels;
     OWNED(iso_pyramid) q = sampled_pyramid(&other, ISO_F32, &opt);

@@ -31,7 +31,7 @@ static iso_field field_of(iso_field_kind kind, const iso_geometry *geometry)
 
 static iso_geometry plain_geometry(void)
 {
-    return iso_geometry_axis_aligned((size_t[]){34, 30, 27}, (double[]){1, 1.2, 0.9});
+    return iso_geometry_axis_aligned((size_t[]){26, 24, 21}, (double[]){1, 1.2, 0.9});
 }
 
 static void open_subject(subject *s, iso_field_kind kind, const char *name)
@@ -113,7 +113,7 @@ VALUES_TEST(clean_volumes_hold)
         ENDED_BY(close_subject) subject s;
         OWNED(iso_volume) volume;
         char name[32];
-        iso_geometry g = iso_geometry_axis_aligned((size_t[]){34, 30, 27}, c->spacing);
+        iso_geometry g = iso_geometry_axis_aligned((size_t[]){26, 24, 21}, c->spacing);
         if (c->oblique)
             g.index_to_world = turned(g.index_to_world, iso_v3(1, 2, 3), 0.5);
         const iso_field field = field_of(c->kind, &g);
@@ -215,7 +215,7 @@ VALUES_TEST(one_value_that_is_slightly_off_fails)
 VALUES_TEST(a_wrong_choice_of_auto_is_named)
 {
     ENDED_BY(close_subject) subject s;
-    const iso_geometry geometry = iso_geometry_axis_aligned((size_t[]){48, 48, 48}, (double[]){1, 1, 1});
+    const iso_geometry geometry = iso_geometry_axis_aligned((size_t[]){40, 40, 40}, (double[]){1, 1, 1});
     const iso_field field = field_of(ISO_FIELD_PLATE, &geometry);
     iso_pyramid_options build = iso_pyramid_defaults();
     open_field(&s, &field, make_scene(), "auto", size);

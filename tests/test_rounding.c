@@ -8,7 +8,7 @@
 #include "base/random.h"
 #include "tests/validated.h"
 
-enum { pixels = 96 };
+enum { pixels = 72 };
 static const subject_size size = {pixels, 1, 1};
 
 /* Padding, a body with grain and a bone, 1 x 1 x 4 mm. */
