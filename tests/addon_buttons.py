@@ -305,12 +305,14 @@ for thing in (around, cube):
 frame.parent = camera.parent = around
 around.scale = [0.01] * 3
 camera.data.clip_start, camera.data.ortho_scale = 0.01 * camera.data.clip_start, 0.01 * camera.data.ortho_scale
-scene.view_settings.view_transform = 'Filmic'
+view = scene.view_settings
+view.view_transform = 'Filmic' if bpy.app.version < (4, 0, 0) else 'AgX'
+view.gamma, view.use_curve_mapping = 1.5, True
 works("a_scaled_scene_is_certified", buttons.certify)
 said = scene.isoshade.verdict
 tell("its_picture_is_the_references", own_rmse() < 1 / 255 and scene.isoshade.agrees, said)
 tell("what_is_left_out_is_named", "Left out: my cube." in said, said)
-tell("and_the_view_transform", "view transform Filmic by 0." in said, said)
+tell("and_the_settings_of_the_view", f"view transform {view.view_transform}, gamma 1.5, curves by 0." in said, said)
 tell("no_copy_of_the_file_is_left", not [name for name in os.listdir(scene.isoshade.report.replace("/index.html", "_of_file")) if "blend" in name])
 shown = volume.shown_object(frame)
 shown.location.x += 2.0
@@ -323,7 +325,7 @@ press(buttons.certify)
 tell("a_step_that_stays_behind_is_named", "needs its own, with another Step Rate" in scene.isoshade.verdict and not scene.isoshade.agrees, scene.isoshade.verdict)
 shown.active_material.cycles.volume_step_rate = 0.01
 frame.parent = camera.parent = None
-scene.view_settings.view_transform = 'Standard'
+view.view_transform, view.gamma, view.use_curve_mapping = 'Standard', 1.0, False
 frame.matrix_world, camera.matrix_world, camera.data.clip_start, camera.data.ortho_scale = kept
 shown.active_material.cycles.volume_step_rate = 1
 

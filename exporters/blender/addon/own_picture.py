@@ -133,7 +133,9 @@ def shown_colors(scene, folder):
 def color_management(scene, folder):
     """Returns the change of the shown colors by the scene's color management, with its words; None: there is none."""
     view, display = scene.view_settings, scene.display_settings
-    words = [f"{key.replace('_', ' ')} {getattr(view, key)}" for key, standard in SEEN if getattr(view, key) != standard]
+    values = [(key, getattr(view, key)) for key, standard in SEEN if getattr(view, key) != standard]
+    words = ["curves" if value is True else f"{key.replace('_', ' ')} {value:g}" if isinstance(value, float) else
+             f"{key.replace('_', ' ')} {value}" for key, value in values]
     words += [f"display device {display.display_device}"] if display.display_device != 'sRGB' else []
     if not words:
         return None
