@@ -51,7 +51,7 @@ static iso_scene faint_scene(void)
 }
 
 /* A ball with bumps of about two coarse voxels. */
-enum { N = 16, HALF = N / 2 };
+enum { N = 28, HALF = N / 2 };
 static iso_pyramid bumpy_ball(iso_code code)
 {
     iso_pyramid_options opt = iso_pyramid_defaults();
@@ -62,7 +62,7 @@ static iso_pyramid bumpy_ball(iso_code code)
         const double x = (double)(i % N) + 0.5 - HALF, y = (double)(i / N % N) + 0.5 - HALF,
                      z = (double)(i / N / N) + 0.5 - HALF;
         const double r = sqrt(x * x + y * y + z * z) + 1e-9;
-        const double surface = 0.32 * N + 1.2 * sin(6 * x / r) * cos(5 * y / r) * sin(7 * z / r + 1);
+        const double surface = 9 + 1.2 * sin(6 * x / r) * cos(5 * y / r) * sin(7 * z / r + 1);
         ((float *)v.data)[i] = (float)fmin(fmax(0.5 + 0.4 * (surface - r), 0), 1);
     }
     opt.level_count = 2;
@@ -299,7 +299,8 @@ TEST(a_spoilt_level_is_not_accepted)
     const size_t count = iso_geometry_voxel_count(&p.levels[1].geometry);
     iso_level spoilt = p.levels[1];
     iso_level_gate gate;
-    iso_level_seen seen[3];
+    iso_level_seen seen[4];
+    uint8_t faint[HALF * HALF * HALF] = {0}; /* an extinction scale */
     OWNED(iso_tf_table) tf, halved;
     iso_shown_level shown = as_built(&p, &scene, &tf);
     assert_ok(iso_tf_table_copy(&tf, &halved, &err));
@@ -314,7 +315,9 @@ TEST(a_spoilt_level_is_not_accepted)
     assert_ok(iso_level_gate_look(&gate, 1, &shown, &seen[1], &err));
     shown = (iso_shown_level){&p.levels[1], &halved, NULL};
     assert_ok(iso_level_gate_look(&gate, 1, &shown, &seen[2], &err));
-    for (int i = 1; i < 3; ++i) { /* directions; transfer function */
+    shown = (iso_shown_level){&p.levels[1], &tf, faint};
+    assert_ok(iso_level_gate_look(&gate, 1, &shown, &seen[3], &err));
+    for (int i = 1; i < 4; ++i) { /* directions; transfer function; extinction scale */
         assert_false(iso_level_gate_is_nearer(&seen[0], &seen[i], 1));
         assert_more_than(seen[i].ssim_dissimilarity, seen[0].ssim_dissimilarity);
     }
@@ -443,6 +446,11 @@ TEST(under_another_transfer_function_it_has_its_scale_or_is_adapted)
         scaled += bytes[i] != ISO_EXTINCTION_SCALE_ONE;
     assert_true(scaled > 0);
     free(bytes);
+    loaded.levels[1].edits_are_scaled = false; /* then an adapted one has none */
+    assert_ok(iso_extinction_scale_level(&loaded, 1, &tf, &own, 2, &bytes, &err));
+    for (size_t i = 0; i < count; ++i)
+        assert_int_equal(bytes[i], ISO_EXTINCTION_SCALE_ONE);
+    free(bytes);
 }
 
 /* The gate judges edits as commands with --adapt show them. */
@@ -487,7 +495,7 @@ TEST(two_scenes_share_a_level)
         as_built(p, &scenes[i], &tf);
         assert_ok(iso_level_look(p, 1, &tf, &own[i], &found, &err));
         assert_true(found);
-        assert_at_most(iso_scene_level_ratio(&levels[1], (size_t)i), 0.9);
+        assert_at_most(iso_scene_level_ratio(&levels[1], (size_t)i), 0.55);
         assert_ok(iso_level_gate_open(&gate, p, &scenes[i], 2, &err));
         for (int k = 0; k <= i; ++k) {
             assert_ok(iso_level_gate_look(&gate, 1, &(iso_shown_level){&p->levels[1], &own[i - k], p->levels[1].scale},
