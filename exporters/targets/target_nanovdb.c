@@ -11,22 +11,13 @@ extern const iso_export_target iso_export_target_vdb;
 
 static const char stage[] = "NanoVDB grids";
 
-/* Prints what other formats note in the file, too. */
+/* Prints the version, which other formats note in the file, too. */
 static void print_version(const iso_export_job *job)
 {
     if (job->results)
         json_object_set_new(job->results, "nanovdb", json_pack("{ss}", "format", iso_nanovdb_version()));
     if (job->notes)
         fprintf(job->notes, "NanoVDB %s, not compressed\n", iso_nanovdb_version());
-    for (size_t i = 0; i < job->level_count && job->pyramid && !job->planned; ++i) {
-        if (!job->pyramid->levels[job->level + i].is_optimized)
-            continue;
-        if (job->results)
-            json_object_set_new(job->results, "values", json_string(ISO_OPTIMIZED_VALUES));
-        if (job->notes)
-            fprintf(job->notes, "level %zu: values " ISO_OPTIMIZED_VALUES "; the file cannot note it\n",
-                    job->level + i);
-    }
 }
 
 static iso_status write_nanovdb(const iso_export_job *job, iso_error *err)

@@ -3,8 +3,8 @@
  *
  * NanoVDB stores a grid in one block of memory, which a program maps and reads directly. Files are not compressed,
  * since many readers are built without ZIP or Blosc. They include statistics and checksums of all nodes, which
- * nanovdb_validate checks. NanoVDB has no other metadata: units, levels and further metadata of the OpenVDB file are
- * lost.
+ * nanovdb_validate checks. The note "values" of an optimized level becomes blind data "isoshade_values" of each grid.
+ * NanoVDB has no other metadata: units, levels and further metadata of the OpenVDB file are lost.
  *
  * Memory: a grid twice, as OpenVDB and as NanoVDB, and all finished grids. */
 #pragma once

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <string>
 #include <vector>
 
 #include <openvdb/io/File.h>
@@ -34,13 +35,49 @@ template <typename Grid> handle to_nanovdb(const Grid &grid)
 #endif
 }
 
-handle convert(const openvdb::GridBase::Ptr &grid)
+/* Appends a text to a grid without other blind data: NanoVDB has no metadata. A reader finds it by the name. */
+template <typename Value> handle add_blind_text(handle grid, const char *name, const std::string &text)
+{
+    const std::size_t at = grid.size(), bytes = (sizeof(nanovdb::GridBlindMetaData) + text.size() + 32) / 32 * 32;
+    auto buffer = nanovdb::HostBuffer::create(at + bytes);
+    std::memcpy(buffer.data(), grid.data(), at);
+    std::memset(buffer.data() + at, 0, bytes); /* ends the texts, too */
+    auto *head = reinterpret_cast<nanovdb::GridData *>(buffer.data());
+    auto *note = reinterpret_cast<nanovdb::GridBlindMetaData *>(buffer.data() + at);
+    head->mGridSize = at + bytes;
+    head->mBlindMetadataOffset = static_cast<std::int64_t>(at);
+    head->mBlindMetadataCount = 1;
+    note->mSemantic = nanovdb::GridBlindDataSemantic::Unknown;
+    note->mDataClass = nanovdb::GridBlindDataClass::Unknown;
+    note->mDataType = nanovdb::GridType::Unknown;
+    std::strcpy(note->mName, name);
+    note->setBlindData(note + 1);
+    std::memcpy(note + 1, text.data(), text.size());
+    handle noted(std::move(buffer));
+#ifdef NANOVDB_USE_OPENVDB
+    note->mValueCount = text.size() + 1;
+    note->mValueSize = 1;
+    nanovdb::tools::updateChecksum(head, nanovdb::CheckMode::Full);
+#else
+    note->mElementCount = text.size() + 1;
+    nanovdb::updateChecksum(*noted.grid<Value>(), nanovdb::ChecksumMode::Full);
+#endif
+    return noted;
+}
+
+template <typename Value, typename Grid> handle convert_noted(const Grid &grid, const std::string &values)
+{
+    return values.empty() ? to_nanovdb(grid) : add_blind_text<Value>(to_nanovdb(grid), "isoshade_values", values);
+}
+
+/* values: a note on all values, or empty. */
+handle convert(const openvdb::GridBase::Ptr &grid, const std::string &values)
 {
     if (const auto scalars = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
-        return to_nanovdb(*scalars);
+        return convert_noted<float>(*scalars, values);
     if (const auto vectors = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid)) {
         vectors->setGridClass(openvdb::GRID_UNKNOWN); /* NanoVDB allows fog volumes for one channel only */
-        return to_nanovdb(*vectors);
+        return convert_noted<nanovdb::Vec3f>(*vectors, values);
     }
     throw std::runtime_error("grid \"" + grid->getName() + "\" has values of type " + grid->valueType() +
                              ", must be float or vec3s");
@@ -62,8 +99,10 @@ std::vector<handle> read_again(const char *vdb_path)
         }
     };
     read([&] { return file.open(/*delayLoad=*/false); });
+    const auto about = read([&] { return file.getMetadata(); });
+    const auto values = about->getMetadata<openvdb::StringMetadata>("values");
     for (auto name = file.beginName(); name != file.endName(); ++name)
-        grids.push_back(convert(read([&] { return file.readGrid(name.gridName()); })));
+        grids.push_back(convert(read([&] { return file.readGrid(name.gridName()); }), values ? values->value() : ""));
     /* OpenVDB lists names by their letters; many programs take the first grid. */
     std::stable_partition(grids.begin(), grids.end(), [](const handle &grid) {
         return std::strncmp(grid.gridMetaData()->shortGridName(), "density", 7) == 0;
