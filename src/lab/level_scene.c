@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "fit/extinction_scale.h"
+#include "lab/level_tfs.h"
 #include "plan/scene_levels.h"
 #include "tf/level_look.h"
 
@@ -44,12 +45,12 @@ iso_scene iso_level_bench_scene(iso_tf tf)
                        .tf = tf};
 }
 
-/* Takes the transfer function and the extinction scale that show a level. Under an edited one these are those of
- * `render --adapt`. */
-static iso_status take_look(const iso_pyramid *p, const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+/* Takes the transfer function and the extinction scale that show a level. Under an edited one, or one that it was not
+ * made for, these are those of `render --adapt`. */
+static iso_status take_look(const iso_pyramid *p, const iso_level_subject *s, bool is_edited, iso_level_shown *shown,
+                            iso_error *err)
 {
     const iso_level *level = &p->levels[s->level];
-    const bool is_edited = !iso_tf_table_equals(s->tf, s->before);
     iso_adapt_options opt = iso_adapt_defaults();
     iso_tf_table scene = {0};
     iso_status status = iso_level_scene_tf(p, 0, &scene, err);
@@ -72,19 +73,18 @@ static iso_status take_look(const iso_pyramid *p, const iso_level_subject *s, is
     return status;
 }
 
-/* Shows the level that pictures select, among them an optimized one unless there is no effort. */
-static iso_status make_for_scene(const iso_level_subject *s, iso_effort effort, iso_level_shown *shown, iso_error *err)
+/* Shows the level that pictures of some scenes select, among them an optimized one unless there is no effort.
+ * is_edited: under a transfer function that is not the first scene's. */
+static iso_status make_for_scenes(const iso_level_subject *s, const iso_scene *scenes, size_t scene_count,
+                                  iso_effort effort, bool is_edited, iso_level_shown *shown, iso_error *err)
 {
     const size_t count = iso_geometry_voxel_count(&shown->level.geometry);
     const iso_optimize_options opt = {.effort = effort, .seed = 1};
     iso_pyramid with = *s->pyramid;
     iso_level levels[32];
-    iso_tf tf = {0};
     float *scalar = malloc(count * sizeof *scalar);
     uint8_t *codes = malloc(3 * count);
-    iso_status status = scalar && codes ? iso_tf_from_table(s->before, &tf, err)
-                                        : iso_fail(err, ISO_E_MEMORY, "no memory for %zu voxels", count);
-    const iso_scene scene = iso_level_bench_scene(tf);
+    iso_status status = scalar && codes ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu voxels", count);
     if (status == ISO_OK) {
         memcpy(scalar, shown->level.scalar, count * sizeof *scalar);
         memcpy(levels, with.levels, with.level_count * sizeof *levels);
@@ -96,17 +96,39 @@ static iso_status make_for_scene(const iso_level_subject *s, iso_effort effort, 
         with.levels = levels;
         with.level_count = s->level + 1;
         with.made_for = NULL;
-        status = iso_scene_levels_make(&with, s->level, &scene, 1, &opt, s->threads, NULL, NULL, err);
-        TRY(status, take_look(&with, s, shown, err));
+        status = iso_scene_levels_make(&with, s->level, scenes, scene_count, &opt, s->threads, NULL, NULL, err);
+        TRY(status, take_look(&with, s, is_edited, shown, err));
         scalar = levels[s->level].scalar; /* both are replaced if the first ones were not the best */
         codes = levels[s->level].codes;
         json_decref(with.made_for);
     }
-    iso_tf_destroy(&tf);
     shown->bytes = shown->level.codes = codes;
     shown->scalar = shown->level.scalar = scalar;
     set_range(&shown->level);
     return status;
+}
+
+static iso_status make_for_scene(const iso_level_subject *s, iso_effort effort, iso_level_shown *shown, iso_error *err)
+{
+    OWNED(iso_tf) tf = {0};
+    NEED(iso_tf_from_table(s->before, &tf, err));
+    const iso_scene scene = iso_level_bench_scene(tf);
+    return make_for_scenes(s, &scene, 1, effort, !iso_tf_table_equals(s->tf, s->before), shown, err);
+}
+
+iso_status iso_level_make_for_others(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)
+{
+    const iso_level *level0 = &s->pyramid->levels[0];
+    iso_scene scenes[ISO_LEVEL_TF_COUNT];
+    size_t count = 0;
+    for (size_t i = 0; i < ISO_LEVEL_TF_COUNT; ++i) {
+        OWNED(iso_tf_table) table = {0};
+        const iso_tf tf = iso_level_tf_of(&iso_level_tfs[i]);
+        NEED(iso_tf_tabulate(&tf, level0->min, level0->max, &level0->geometry, &table, err));
+        if (!iso_tf_table_equals(&table, s->before))
+            scenes[count++] = iso_level_bench_scene(tf);
+    }
+    return make_for_scenes(s, scenes, count, ISO_EFFORT_FAST, true, shown, err);
 }
 
 iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown *shown, iso_error *err)

@@ -14,6 +14,8 @@ iso_status iso_level_make_for_scene(const iso_level_subject *s, iso_level_shown 
 iso_status iso_level_make_optimized_fast(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 iso_status iso_level_make_optimized(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 iso_status iso_level_make_optimized_best(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
+/* The same by effort fast, for the benchmark's other transfer functions (level_tfs.h), shown as `render --adapt`. */
+iso_status iso_level_make_for_others(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 /* Optimizes the transfer function alone, as `tf adapt --optimize`. */
 iso_status iso_level_optimize_tf(const iso_level_subject *s, iso_level_shown *shown, iso_error *err);
 /* Shows the fitted scalar without that selection. */
