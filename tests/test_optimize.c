@@ -477,6 +477,31 @@ TEST(edits_are_judged_as_they_are_shown)
     }
 }
 
+/* Level 0 with less opacity: a display of 8 bits hides a part of 1/2000, not half of it. A bit more or less of the
+ * display is a factor of four in its rounding, 6e-5 to 9e-5 here. */
+TEST(an_edit_is_stood_if_a_display_hides_the_loss)
+{
+    const iso_scene scene = surface_scene();
+    OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT);
+    iso_level_gate edits[ISO_LEVEL_GATE_EDITS];
+    assert_ok(iso_level_gate_open_edits(edits, &p, &scene, 2, &err));
+    for (int i = 0; i < ISO_LEVEL_GATE_EDITS; ++i) {
+        assert_true(edits[i].rounding > 3e-5 && edits[i].rounding < 1.5e-4);
+        for (int k = 0; k < 2; ++k) {
+            OWNED(iso_tf_table) tf;
+            iso_level_seen seen;
+            assert_ok(iso_tf_table_copy(&edits[i].views->tf, &tf, &err));
+            tf.point_count = 0;
+            for (size_t j = 0; j < tf.count; ++j)
+                tf.entries[4 * j + 3] *= k == 0 ? 0.9995f : 0.5f;
+            assert_ok(iso_level_gate_look(&edits[i], 0, &(iso_shown_level){&p.levels[0], &tf, NULL}, &seen, &err));
+            assert_true(seen.ssim_dissimilarity > 0);
+            assert_true(iso_level_gate_stands(0, seen.ssim_dissimilarity, edits[i].rounding) == (k == 0));
+        }
+        iso_level_gate_close(&edits[i]);
+    }
+}
+
 /* One level for two scenes: nearer in each, shown in each under a transfer function of its own. The planted
  * fault judges the level under the other scene's. */
 TEST(two_scenes_share_a_level)

@@ -133,6 +133,16 @@ TEST(each_edit_can_refuse)
         assert_false(iso_scene_level_stands_edits(&made, 2));
         *edited = 0.05;
     }
+    /* Rounding of 1e-4 moves .0009 to .0016, and .1 to .1064: what is near enough depends on the amplitude. */
+    made.edited_rounding[0][1] = 1e-4;
+    made.edited_built[0][1] = 0.0009;
+    made.edited[0][1] = 0.0015;
+    assert_true(iso_scene_level_stands_edits(&made, 2));
+    made.edited[0][1] = 0.0017;
+    assert_false(iso_scene_level_stands_edits(&made, 2));
+    made.edited_built[0][1] = 0.1;
+    made.edited[0][1] = 0.107;
+    assert_false(iso_scene_level_stands_edits(&made, 2));
 }
 
 /* Scalars that look wrong lose, whatever they are called; those that look right win. */
@@ -338,8 +348,15 @@ TEST(memory_is_estimated)
 {
     const size_t size[3] = {100, 100, 100};
     const iso_geometry g = iso_geometry_axis_aligned(size, (const double[]){1, 1, 1});
-    /* A byte of the volume; floats and codes of the pyramid; lattice directions while level 0 is drawn. */
-    assert_within((double)iso_scene_levels_bytes(&g, ISO_U8, ISO_EFFORT_NONE) / 1e6, 1 + 8 + 12, 0.5);
+    /* A byte of the volume; floats and codes of the pyramid; lattice directions while level 0 is drawn; pictures of
+     * four floats at 157 x 157 pixels of 1.1 voxels: eight of a scene, and 16 after edits. */
+    const double picture = 16 * 157 * 157 / 1e6, plain = (double)iso_scene_levels_bytes(&g, ISO_U8, 1, 0) / 1e6;
+    assert_within(plain, 1 + 8 + 12 + 8 * picture, 0.5);
+    assert_within((double)iso_scene_levels_bytes(&g, ISO_U8, 3, 0) / 1e6 - plain, 16 * picture, 1e-9);
+    assert_within((double)(iso_scene_levels_bytes(&g, ISO_U8, 3, ISO_EFFORT_FAST) -
+                           iso_scene_levels_bytes(&g, ISO_U8, 1, ISO_EFFORT_FAST)) /
+                      1e6,
+                  2 * 24 * picture, 1e-9);
 }
 
 TEST_MAIN(make_folder, remove_folder)

@@ -25,7 +25,7 @@ function show(c) {
         el('div', {class: 'pair'}, picture ? el('div', {}, el('img', {src: picture, alt: `picture of ${c.setting}`}), el('span', {}, 'this setting')) : el('p', {class: 'about'}, 'No picture in this page; the command renders it.'),
             el('div', {}, el('img', {src: inlined.references[scene], alt: 'the reference'}), el('span', {}, 'reference'))),
         el('table', {}, el('tbody', {}, row(data.metric_title, number(c.error)), row('a frame', `${number(c.milliseconds).textContent ?? number(c.milliseconds)} ms`),
-            row('median', `${Number(c.milliseconds_median.toPrecision(3))} ms of ${c.frames}`), row('renderer holds', shown(c.device_bytes, 'B')), row('in files', shown(c.stored_bytes, 'B')),
+            row('median', `${Number(c.milliseconds_median.toPrecision(3))} ms of ${c.frames}`), row('renderer holds', shown(c.device_bytes, 'B')), row('in files', shown(c.stored_bytes, 'B')), ...(c.build_seconds ? [row('level built in', `${number(c.build_seconds).textContent ?? number(c.build_seconds)} s`)] : []),
             ...(c.flip_mean === null || c.flip_mean === undefined ? [] : [row('mean FLIP', number(c.flip_mean)), row('1 − SSIM', number(1 - c.ssim))]))),
         command(c.command), ...(link ? [el('p', {}, el('a', {href: link}, 'open in the viewer'))] : []));
 }

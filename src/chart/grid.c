@@ -461,6 +461,7 @@ iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *firs
             c.turn = turn_of(&c);
             c.needs_pyramid = c.filter != usual.filter || c.estimator != usual.estimator;
             c.stored_bytes = stored_bytes(level, &c);
+            c.build_seconds = level->build_seconds;
             if (pass == 1)
                 (*cases)[*count] = c;
             ++*count;

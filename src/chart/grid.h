@@ -67,7 +67,8 @@ typedef struct iso_chart_case {
                            * step between powers of two */
     bool needs_pyramid;   /* needs another estimator or filter than the first pyramid */
     iso_render_stats took;
-    double stored_bytes; /* of the level in a pyramid on disk: scalars, directions, scale; of a plan's nodes */
+    double stored_bytes;  /* of the level in a pyramid on disk: scalars, directions, scale; of a plan's nodes */
+    double build_seconds; /* of an optimized level (plan/scene_levels.h); or 0 */
     iso_metrics metrics;
     bool done, kept;                    /* kept: measured in an earlier run (chart/kept.h) */
     bool refused;                       /* could not be rendered */

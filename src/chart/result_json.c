@@ -27,6 +27,8 @@ static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
                                         1e3 * c->took.most_seconds, "frames", (json_int_t)c->took.count,
                                         "setup_milliseconds", 1e3 * c->took.setup_seconds, "device_bytes",
                                         c->took.bytes, "stored_bytes", c->stored_bytes));
+    if (c->build_seconds > 0)
+        json_object_set_new(o, "build_seconds", json_real(c->build_seconds));
     json_object_update_new(o, iso_metrics_to_json(&c->metrics));
     json_object_set_new(o, "scene", json_string(r->bench->scenes[c->scene].name));
     json_object_set_new(o, "on_time_front", json_boolean(c->on_time_front));

@@ -69,13 +69,15 @@ static void print_skipped(const iso_chart_result *r)
 
 static void print_named(const iso_chart_result *r, const iso_chart_case *c)
 {
-    char name[192], flip[16] = "-";
+    char name[192], flip[16] = "-", built[32] = "";
     iso_chart_describe(c, name, sizeof name);
     if (isfinite(c->metrics.flip_mean))
         snprintf(flip, sizeof flip, "%.3g", c->metrics.flip_mean);
-    printf("%3zu %s%s %-66s %9.4g %9.4g %12.0f %9.3g %9s\n", c->number, c->on_time_front ? "t" : " ",
+    if (c->build_seconds > 0)
+        snprintf(built, sizeof built, "  built in %.3g s", c->build_seconds);
+    printf("%3zu %s%s %-66s %9.4g %9.4g %12.0f %9.3g %9s%s\n", c->number, c->on_time_front ? "t" : " ",
            c->on_bytes_front ? "b" : " ", name, 1e3 * c->took.seconds, 1e3 * c->took.median_seconds,
-           iso_chart_bytes_of(c, r->bytes), c->metrics.rmse, flip);
+           iso_chart_bytes_of(c, r->bytes), c->metrics.rmse, flip, built);
 }
 
 static void print_fronts(const iso_chart_result *r, size_t scene)

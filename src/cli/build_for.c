@@ -11,16 +11,16 @@
 #include "plan/scene_levels.h"
 #include "scene/scene.h"
 
-iso_status iso_cli_check_memory(const char *option, const char *volume, const iso_volume_input *input,
-                                iso_effort effort, double memory_mb, iso_error *err)
+/* Estimates the memory before reading. */
+static iso_status check_memory(const iso_build_for *b, iso_error *err)
 {
     ENDED_BY(iso_source_close_owned) iso_volume_source *source = NULL;
-    NEED(iso_volume_input_open(volume, input, &source, err));
+    NEED(iso_volume_input_open(b->volume, b->input, &source, err));
     const iso_volume *v = iso_source_volume(source);
-    const double needed = (double)iso_scene_levels_bytes(&v->geometry, v->type, effort) / 1048576;
-    if (needed > memory_mb)
-        return iso_fail(err, ISO_E_MEMORY, "%s: %s works in memory and needs %.0f MB, --memory is %g", volume, option,
-                        needed, memory_mb);
+    const double needed = (double)iso_scene_levels_bytes(&v->geometry, v->type, b->scene_count, b->effort) / 1048576;
+    if (needed > b->memory_mb)
+        return iso_fail(err, ISO_E_MEMORY, "%s: --for works in memory and needs %.0f MB, --memory is %g", b->volume,
+                        needed, b->memory_mb);
     return ISO_OK;
 }
 
@@ -139,7 +139,7 @@ iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *
     iso_pyramid p = {0};
     iso_scene_level levels[32];
     iso_cli_expect(b->cli, (const iso_cli_stage[]){{"pyramid", 1}, {"levels for the scene", 4}}, 2);
-    iso_status status = iso_cli_check_memory("--for", b->volume, b->input, b->effort, b->memory_mb, err);
+    iso_status status = check_memory(b, err);
     TRY(status, iso_volume_input_load(b->volume, b->input, &volume, err));
     TRY(status, iso_pyramid_build(&volume, b->volume, opt, &p, &progress, err));
     iso_volume_destroy(&volume);

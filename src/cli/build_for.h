@@ -24,8 +24,3 @@ typedef struct iso_build_for {
 
 /* Builds the pyramid in memory. ISO_E_MEMORY, with the size, if it needs more than memory_mb. */
 iso_status iso_cli_build_for(const iso_build_for *b, const iso_pyramid_options *opt, iso_error *err);
-
-/* Estimates the memory before reading. ISO_E_MEMORY if levels that `option` makes in memory need more than
- * memory_mb. */
-iso_status iso_cli_check_memory(const char *option, const char *volume, const iso_volume_input *input,
-                                iso_effort effort, double memory_mb, iso_error *err);

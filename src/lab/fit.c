@@ -50,7 +50,7 @@ static iso_status measure(fit_bench *b, fit_case *c, iso_error *err)
 static void note(fit_bench *b, const fit_case *c)
 {
     const double fine = (double)iso_geometry_voxel_count(&c->pyramid->levels[0].geometry);
-    const double bytes = (double)iso_scene_levels_bytes(&c->pyramid->levels[0].geometry, ISO_U8, ISO_EFFORT_NONE);
+    const double bytes = (double)iso_scene_levels_bytes(&c->pyramid->levels[0].geometry, ISO_U8, 1, ISO_EFFORT_NONE);
     const char *chosen = iso_level_scalar_name(iso_level_ways[iso_scene_level_choose(c->candidates)].scalar);
     const double left = c->fit.error_start > 0 ? c->fit.error_end / c->fit.error_start : 1;
     json_array_append_new(b->cases,

@@ -4,12 +4,14 @@
 #include <math.h>
 
 #include "compare/metrics.h"
+#include "compare/srgb.h"
 #include "compare/ssim.h"
 #include "render/cpu/caster.h"
 #include "scene/views.h"
 #include "tf/adapt.h"
+#include "tf/color_space.h"
 
-enum { VIEWS = ISO_LEVEL_GATE_VIEWS, GATE_SEED = 0x67617465 }; /* not a seed of training */
+enum { VIEWS = ISO_LEVEL_GATE_VIEWS, EDIT_VIEWS = VIEWS / 2, GATE_SEED = 0x67617465 }; /* not a seed of training */
 
 bool iso_level_gate_is_better(const iso_level_seen *built, const iso_level_seen *other)
 {
@@ -37,6 +39,11 @@ bool iso_level_gate_is_nearer(const iso_level_seen *a, const iso_level_seen *b, 
     return good && means[0] <= most && means[1] <= most && means[2] <= 1 && means[3] <= 1;
 }
 
+bool iso_level_gate_stands(double built, double edited, double rounding)
+{
+    return edited <= (1 + ISO_LEVEL_GATE_GAIN) * built || sqrt(edited) <= sqrt(built) + sqrt(rounding);
+}
+
 /* ---- views ------------------------------------------------------------------------------------------------------ */
 
 static iso_vec3 random_direction(iso_random *r)
@@ -45,8 +52,7 @@ static iso_vec3 random_direction(iso_random *r)
     return iso_v3(s * cos(turn), s * sin(turn), z);
 }
 
-/* Returns the side of pictures whose pixels are 1.1 fine voxels. */
-static size_t picture_side(const iso_geometry *level0)
+size_t iso_gate_picture_side(const iso_geometry *level0)
 {
     const double side = 2 * iso_geometry_box_radius_mm(level0) / (1.1 * iso_geometry_min_spacing_mm(level0));
     return (size_t)fmin(fmax(side, 64), 448);
@@ -56,7 +62,7 @@ iso_status iso_gate_random_view(const iso_pyramid *p, const iso_scene *scene, bo
                                 iso_view *view, iso_error *err)
 {
     iso_scene s = *scene; /* copies pointers, whose targets stay the scene's */
-    s.width = s.height = picture_side(&p->levels[0].geometry);
+    s.width = s.height = iso_gate_picture_side(&p->levels[0].geometry);
     s.camera_fit = true;
     s.camera_direction = random_direction(r);
     s.camera_up = iso_view_up(s.camera_direction);
@@ -142,6 +148,24 @@ iso_status iso_gate_edit_tf(const iso_pyramid *p, const iso_tf *tf, double shift
     return status;
 }
 
+/* Compares level 0's pictures with themselves as a display of 8 bits shows them. */
+static iso_status measure_rounding(iso_level_gate *gate, iso_error *err)
+{
+    for (int i = 0; i < gate->view_count; ++i) {
+        const iso_image *truth = &gate->truth[i];
+        OWNED(iso_image) shown = {0};
+        double ssim;
+        NEED(iso_image_create(&shown, truth->width, truth->height, err));
+        for (size_t k = 0; k < 4 * truth->width * truth->height; ++k) {
+            const double step = floor(255 * iso_srgb_encode((double)truth->rgba[k]) + 0.5);
+            shown.rgba[k] = k % 4 == 3 ? truth->rgba[k] : (float)iso_srgb_to_linear(step / 255);
+        }
+        NEED(iso_ssim_foreground(truth, &shown, &ssim, err));
+        gate->rounding += (1 - ssim) / gate->view_count;
+    }
+    return ISO_OK;
+}
+
 iso_status iso_level_gate_open_edits(iso_level_gate gates[ISO_LEVEL_GATE_EDITS], const iso_pyramid *p,
                                      const iso_scene *scene, int threads, iso_error *err)
 {
@@ -152,7 +176,8 @@ iso_status iso_level_gate_open_edits(iso_level_gate gates[ISO_LEVEL_GATE_EDITS],
     for (int i = 0; i < ISO_LEVEL_GATE_EDITS && status == ISO_OK; ++i) {
         iso_scene s = *scene; /* copies pointers, whose targets stay the scene's */
         status = iso_gate_edit_tf(p, &scene->tf, edits[i].shift, edits[i].factor, &s.tf, err);
-        TRY(status, open_gate(&gates[i], p, &s, VIEWS / 2, threads, err));
+        TRY(status, open_gate(&gates[i], p, &s, EDIT_VIEWS, threads, err));
+        TRY(status, measure_rounding(&gates[i], err));
         if (status == ISO_E_RANGE) {
             iso_level_gate_close(&gates[i]);
             gates[i].view_count = 0;
@@ -161,6 +186,13 @@ iso_status iso_level_gate_open_edits(iso_level_gate gates[ISO_LEVEL_GATE_EDITS],
         iso_tf_destroy(&s.tf);
     }
     return status;
+}
+
+size_t iso_level_gate_bytes(const iso_geometry *level0, bool with_edits)
+{
+    const size_t side = iso_gate_picture_side(level0),
+                 pictures = VIEWS + (with_edits ? ISO_LEVEL_GATE_EDITS * EDIT_VIEWS : 0);
+    return pictures * side * side * 4 * sizeof(float);
 }
 
 void iso_level_gate_close(iso_level_gate *gate)

@@ -467,10 +467,11 @@ iso_status iso_optimize_tf(iso_level_gate *gate, size_t level, const iso_scene *
     return iso_tf_table_copy(start->tf, tf, err);
 }
 
-size_t iso_optimize_bytes(const size_t n[3], iso_effort effort)
+size_t iso_optimize_bytes(const iso_geometry *level0, iso_effort effort)
 {
     if (effort == ISO_EFFORT_NONE)
         return 0;
-    const size_t coarse = ((n[0] + 1) / 2) * ((n[1] + 1) / 2) * ((n[2] + 1) / 2), side = 448;
+    const size_t *n = level0->size, coarse = ((n[0] + 1) / 2) * ((n[1] + 1) / 2) * ((n[2] + 1) / 2),
+                 side = iso_gate_picture_side(level0);
     return coarse * sizeof(float) * (5 + 10 + 5 * BUFFERS + 8) + efforts[effort].views * side * side * 10;
 }

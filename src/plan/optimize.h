@@ -77,5 +77,5 @@ iso_status iso_optimize_tf(iso_level_gate *gate, size_t level, const iso_scene *
         1, 0.25 \
     }
 
-/* Returns the bytes of buffers for level 1. */
-size_t iso_optimize_bytes(const size_t level0_size[3], iso_effort effort);
+/* Returns the bytes of buffers for level 1, and of the true pictures. */
+size_t iso_optimize_bytes(const iso_geometry *level0, iso_effort effort);

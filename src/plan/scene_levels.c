@@ -39,7 +39,8 @@ bool iso_scene_level_stands_edits(const iso_scene_level *made, size_t scene_coun
     bool good = true;
     for (size_t i = 0; i < scene_count; ++i)
         for (int k = 0; k < ISO_LEVEL_GATE_EDITS; ++k)
-            good = good && made->edited[i][k] <= (1 + ISO_LEVEL_GATE_GAIN) * made->edited_built[i][k];
+            good = good &&
+                   iso_level_gate_stands(made->edited_built[i][k], made->edited[i][k], made->edited_rounding[i][k]);
     return good;
 }
 
@@ -264,6 +265,7 @@ static iso_status judge_edits(const making *m, const uint8_t *codes, float *scal
         const iso_shown_level shown = {&l.level, &l.tf, l.adapted ? l.scale : scale};
         TRY(status, iso_level_gate_look(gate, m->level, &shown, &seen, err));
         edited[i / ISO_LEVEL_GATE_EDITS][i % ISO_LEVEL_GATE_EDITS] = seen.ssim_dissimilarity;
+        m->made->edited_rounding[i / ISO_LEVEL_GATE_EDITS][i % ISO_LEVEL_GATE_EDITS] = gate->rounding;
         forget(&l);
     }
     return status;
@@ -450,6 +452,8 @@ static json_t *level_to_json(const making *m, uint64_t seed)
                                       (json_int_t)made->optimized.views, "pixels", (json_int_t)made->optimized.pixels,
                                       "steps", (json_int_t)made->optimized.steps, "rate", made->optimized.rate,
                                       "error_first", made->optimized.error_first, "error", made->optimized.error));
+    if (made->optimized.tried && iso_provenance_kept() != ISO_PROVENANCE_NONE) /* so that equal builds can be equal */
+        json_object_set_new(json_object_get(o, "optimized"), "seconds", json_real(made->seconds));
     return o;
 }
 
@@ -461,11 +465,11 @@ static iso_status make_and_describe(making *m, const iso_optimize_options *optim
     iso_status status = make_level(m, err);
     if (status == ISO_OK && m->edits && !(optimize->stop && *optimize->stop))
         status = optimize_level(m, optimize, progress, err);
+    m->made->seconds = iso_clock_seconds() - began;
     if (status == ISO_OK)
         json_array_append_new(list, level_to_json(m, optimize ? optimize->seed + m->level : 0));
     m->best->scale = NULL; /* the level's */
     forget_all(m, m->best);
-    m->made->seconds = iso_clock_seconds() - began;
     return status;
 }
 
@@ -538,12 +542,12 @@ iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *
     return status;
 }
 
-size_t iso_scene_levels_bytes(const iso_geometry *level0, iso_type type, iso_effort effort)
+size_t iso_scene_levels_bytes(const iso_geometry *level0, iso_type type, size_t scene_count, iso_effort effort)
 {
     const size_t fine = iso_geometry_voxel_count(level0), pyramid = 7 * fine + fine; /* floats, codes; coarse levels */
     const size_t drawing = 12 * fine;                                                /* lattice directions of level 0 */
-    const size_t fit = iso_level_scalar_bytes(level0->size),
-                 optimize = iso_optimize_bytes(level0->size, effort) + drawing;
+    const size_t fit = iso_level_scalar_bytes(level0->size), optimize = iso_optimize_bytes(level0, effort) + drawing,
+                 gates = scene_count * iso_level_gate_bytes(level0, effort != ISO_EFFORT_NONE);
     const size_t both = drawing > fit ? drawing : fit;
-    return iso_type_bytes(type) * fine + pyramid + (both > optimize ? both : optimize);
+    return iso_type_bytes(type) * fine + pyramid + gates + (both > optimize ? both : optimize);
 }

@@ -45,7 +45,8 @@ typedef struct iso_scene_level {
     iso_level_seen best[ISO_SCENES_MOST];                                 /* way but the last, for each scene alone */
     bool judged_edits, edits_are_scaled;                                  /* iso_level.edits_are_scaled */
     /* 1 - SSIM after each edit: as built with --adapt, and the optimized level. */
-    double edited_built[ISO_SCENES_MOST][ISO_LEVEL_GATE_EDITS], edited[ISO_SCENES_MOST][ISO_LEVEL_GATE_EDITS];
+    double edited_built[ISO_SCENES_MOST][ISO_LEVEL_GATE_EDITS], edited[ISO_SCENES_MOST][ISO_LEVEL_GATE_EDITS],
+        edited_rounding[ISO_SCENES_MOST][ISO_LEVEL_GATE_EDITS]; /* iso_level_gate.rounding */
     iso_fit_report fit;
     struct iso_scene_level_optimized {
         bool tried;
@@ -62,7 +63,7 @@ int iso_scene_level_choose(const iso_level_candidate candidates[ISO_LEVEL_WAY_CO
 /* Returns the 1 - SSIM of the level in a scene, as a part of that of the best way but the last for this scene alone. */
 double iso_scene_level_ratio(const iso_scene_level *made, size_t scene);
 
-/* True if after no edit the optimized level is worse than the one as built by ISO_LEVEL_GATE_GAIN. */
+/* True if after no edit the optimized level is worse than the one as built (iso_level_gate_stands). */
 bool iso_scene_level_stands_edits(const iso_scene_level *made, size_t scene_count);
 
 /* Shows `level` with the scalars of each kind (NULL: skipped) in all ways but the last, and fills the candidates. */
@@ -79,5 +80,5 @@ iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *
                                  const iso_optimize_options *optimize, int threads, iso_scene_level *levels,
                                  const iso_progress *progress, iso_error *err);
 
-/* Returns the bytes that a build for a scene needs, with the volume of `type` and the pyramid. */
-size_t iso_scene_levels_bytes(const iso_geometry *level0, iso_type type, iso_effort effort);
+/* Returns the bytes that a build for scenes needs, with the volume of `type` and the pyramid. */
+size_t iso_scene_levels_bytes(const iso_geometry *level0, iso_type type, size_t scene_count, iso_effort effort);

@@ -152,6 +152,7 @@ typedef struct iso_level {
                                 * it */
     bool is_optimized;         /* True if the directions are not either: found for one scene (plan/optimize.h). Exports
                                 * then note ISO_OPTIMIZED_VALUES */
+    double build_seconds;      /* of an optimized level; or 0 */
     bool edits_are_scaled;     /* True if it looks best adapted and with a new extinction scale under an edited TF */
     /* For renders from a palette: borrowed, neither stored nor freed here; NULL, or one index per voxel. */
     const iso_palette *palette;

@@ -277,8 +277,11 @@ static void mark_levels(iso_pyramid *p)
         const char *scalar = json_string_value(json_object_get(entry, "scalar"));
         if (level > 0 && (size_t)level < p->level_count && scalar && strcmp(scalar, "as-built") != 0)
             p->levels[level].made_for_scene = true;
-        if (level > 0 && (size_t)level < p->level_count && scalar && strcmp(scalar, "optimized") == 0)
+        if (level > 0 && (size_t)level < p->level_count && scalar && strcmp(scalar, "optimized") == 0) {
             p->levels[level].is_optimized = true;
+            p->levels[level].build_seconds = json_number_value(
+                json_object_get(json_object_get(entry, "optimized"), "seconds"));
+        }
         if (level > 0 && (size_t)level < p->level_count)
             p->levels[level].edits_are_scaled = json_is_true(json_object_get(entry, "edits_are_scaled"));
     }
