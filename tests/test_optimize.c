@@ -546,6 +546,11 @@ VALUES_TEST(threads_change_no_bit)
     assert_memory_equal(a->scalar, b->scalar, count * sizeof(float));
     assert_memory_equal(a->codes, b->codes, 3 * count);
     assert_memory_equal(a->scale, b->scale, count);
+    for (int i = 0; i < 2; ++i) /* takes the time out */
+        json_object_del(json_object_get(json_array_get(json_object_get((i ? &again : &shared)->p.made_for, "levels"),
+                                                       0),
+                                        "optimized"),
+                        "seconds");
     assert_true(json_equal(again.p.made_for, shared.p.made_for));
     iso_pyramid_destroy(&again.p);
 }

@@ -47,12 +47,12 @@ static char *result_csv(const iso_chart_result *r)
     json_auto_t *about = iso_machine_describe();
     snprintf(machine, sizeof machine, "%s; %d cores", json_string_value(json_object_get(about, "processor")),
              (int)json_integer_value(json_object_get(about, "cores")));
-    fputs(
-        "series,setting,renderer,level,shading_from,filter,estimator,tf,quadrature,step_voxels,plan_error,milliseconds,milliseconds_median,"
-        "milliseconds_most,frames,setup_milliseconds,device_bytes,stored_bytes,build_seconds,bytes,error,rmse,max_abs,flip_mean,ssim,time_front,"
-        "bytes_front,number,chosen,want,metric,time_kind,bytes_kind,width,height,volume,scene,versions,machine,"
-        "renderer_time_front,renderer_bytes_front,command\n",
-        f);
+    fputs("series,setting,renderer,level,shading_from,filter,estimator,tf,quadrature,step_voxels,plan_error,"
+          "milliseconds,milliseconds_median,milliseconds_most,frames,setup_milliseconds,device_bytes,stored_bytes,"
+          "bytes,error,rmse,max_abs,flip_mean,ssim,time_front,bytes_front,number,chosen,want,metric,"
+          "time_kind,bytes_kind,width,height,volume,scene,versions,machine,build_seconds,"
+          "renderer_time_front,renderer_bytes_front,command\n",
+          f);
     for (size_t i = 0; i < r->done_count; ++i) {
         const iso_chart_case *c = &r->cases[i];
         char series[160], setting[192], shading_from[64], versions[400];
@@ -65,9 +65,9 @@ static char *result_csv(const iso_chart_result *r)
         fprintf(f, "%s,%s,%s,%zu,%s,%s,%s,%s,%s,%g,%g,", series, setting, c->renderer->name, c->level, shading_from,
                 iso_direction_filter_name(c->filter), iso_gradient_name(c->estimator), iso_chart_name_tf(c),
                 c->preintegrated ? "preintegrated" : "midpoint", c->step_voxels, c->plan_error);
-        fprintf(f, "%.9g,%.9g,%.9g,%zu,%.6g,%.12g,%.12g,%.6g,%.12g,", 1e3 * c->took.seconds,
-                1e3 * c->took.median_seconds, 1e3 * c->took.most_seconds, c->took.count, 1e3 * c->took.setup_seconds,
-                c->took.bytes, c->stored_bytes, c->build_seconds, iso_chart_bytes_of(c, r->bytes));
+        fprintf(f, "%.9g,%.9g,%.9g,%zu,%.6g,%.12g,%.12g,%.12g,", 1e3 * c->took.seconds, 1e3 * c->took.median_seconds,
+                1e3 * c->took.most_seconds, c->took.count, 1e3 * c->took.setup_seconds, c->took.bytes, c->stored_bytes,
+                iso_chart_bytes_of(c, r->bytes));
         fprintf(f, "%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d,%zu,%d,%.6g,%s,%s,%s,%zu,%zu", iso_chart_error(c, r->metric),
                 c->metrics.rmse, c->metrics.max_abs, c->metrics.flip_mean, c->metrics.ssim, c->on_time_front,
                 c->on_bytes_front, c->number, chosen(r, c), r->want, iso_chart_metric_title(r->metric),
@@ -77,7 +77,7 @@ static char *result_csv(const iso_chart_result *r)
         put_field(f, iso_chart_scene_title(r, c->scene));
         put_field(f, versions);
         put_field(f, machine);
-        fprintf(f, ",%d,%d", c->on_renderer_time_front, c->on_renderer_bytes_front);
+        fprintf(f, ",%.6g,%d,%d", c->build_seconds, c->on_renderer_time_front, c->on_renderer_bytes_front);
         put_field(f, command);
         fputc('\n', f);
     }

@@ -43,8 +43,8 @@ void iso_level_gate_close(iso_level_gate *gate);
 /* Edits after which an optimized level has to be no worse than a plain one: the transfer function is shifted, or has
  * another opacity. Each is judged in half of the views. */
 enum { ISO_LEVEL_GATE_EDITS = 4 };
-/* True if an optimized level, whose 1 - SSIM after an edit is `edited`, is not worse than the level as built: by at most
- * ISO_LEVEL_GATE_GAIN, or by no more than a display's rounding, half a step, moves a picture. Distances are
+/* True if an optimized level, whose 1 - SSIM after an edit is `edited`, is not worse than the level as built: by at
+ * most ISO_LEVEL_GATE_GAIN, or by no more than a display's rounding, half a step, moves a picture. Distances are
  * sqrt(1 - SSIM): it grows as errors do, and comes near a metric [brunet-2012]. */
 bool iso_level_gate_stands(double built, double edited, double rounding);
 /* Adds shift times the range to the transfer function's values, and multiplies its opacity. ISO_E_MEMORY. */

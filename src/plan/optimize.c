@@ -12,6 +12,7 @@
 #include "plan/patch_loss.h"
 
 enum { LEAST_PATCHES = 2 }; /* of a step: more steps are worth more than more patches */
+enum { CHEAP_LEVEL = 3 };   /* takes twice the steps: their time is small against that of the true pictures */
 enum { BUFFERS = 4, MOST_VIEWS = 128, TILE = ISO_ADJOINT_TILE, PIXELS = ISO_ADJOINT_PIXELS };
 
 /* Per step, at first. Larger ones spoil levels that are nearly perfect, and learn noise. */
@@ -339,7 +340,7 @@ static void plan_steps(training *t)
     const iso_geometry *g = t->geometry;
     const double most = fmax((double)g->size[0], fmax((double)g->size[1], (double)g->size[2]));
     const double wanted = (double)efforts[t->opt->effort].samples * (double)t->voxels;
-    t->steps = efforts[t->opt->effort].steps;
+    t->steps = efforts[t->opt->effort].steps << (t->level >= CHEAP_LEVEL);
     t->patches_per_step = (size_t)fmax(ceil(wanted / ((double)t->steps * PIXELS * 1.3 * most)), LEAST_PATCHES);
 }
 
