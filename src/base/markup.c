@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/markup.h"
 
+#include <stdarg.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/json.h"
 #include "base/words.h"
@@ -25,6 +27,32 @@ void iso_markup_put(FILE *f, const char *text)
         case '\'': fputs("&#39;", f); break;
         default: c += put_other(f, c) - 1;
         }
+}
+
+void iso_markup_fill(FILE *f, void (*put)(FILE *f, const char *text), const char *form, ...)
+{
+    va_list texts;
+    va_start(texts, form);
+    for (; *form; ++form)
+        if (*form == '%')
+            put(f, va_arg(texts, const char *));
+        else
+            fputc(*form, f);
+    va_end(texts);
+}
+
+void iso_markup_fill_marks(FILE *f, const char *form, iso_markup_putter put, const void *user)
+{
+    const char *at = form;
+    for (const char *mark; (mark = strchr(at, '@'));) {
+        char name[16];
+        const int length = (int)strcspn(mark + 1, "@");
+        snprintf(name, sizeof name, "%.*s", length, mark + 1);
+        fwrite(at, 1, (size_t)(mark - at), f);
+        put(f, name, user);
+        at = mark + 1 + length + 1;
+    }
+    fputs(at, f);
 }
 
 void iso_markup_put_json(FILE *f, const json_t *value)

@@ -30,5 +30,12 @@ static inline void iso_close_file(FILE **file)
 }
 
 #define ENDED_BY(function) __attribute__((cleanup(function)))
+/* Defines `name`, for ENDED_BY() with a pointer: ISO_ENDING(end_key, iso_key, iso_key_destroy) */
+#define ISO_ENDING(name, type, function) \
+    static inline void name(type **variable) \
+    { \
+        if (*variable) \
+            function(*variable); \
+    }
 #define OWNED(type) ENDED_BY(type##_destroy) type
 #define FREED ENDED_BY(iso_free_owned)

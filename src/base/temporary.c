@@ -151,6 +151,13 @@ char *iso_make_temp_dir(void)
     return path;
 }
 
+void iso_end_temp_dir(char **path)
+{
+    if (*path)
+        iso_remove_tree(*path);
+    free(*path);
+}
+
 iso_status iso_temp_dir_fail(iso_error *err)
 {
     return iso_fail(err, iso_errno_status(),

@@ -22,6 +22,8 @@ void iso_temporary_sweep(const char *dir);
 /* Makes a private directory under $TMPDIR or /tmp. Returns its whole path, since programs run elsewhere; the caller
  * frees the path and removes the tree. NULL when none can be made. */
 char *iso_make_temp_dir(void);
+/* Removes such a directory, and frees its path: for ENDED_BY() (base/owned.h). */
+void iso_end_temp_dir(char **path);
 
 /* Fails with the folders that were tried and the cause, by errno, if no temporary folder can be made. */
 iso_status iso_temp_dir_fail(iso_error *err);
