@@ -71,14 +71,11 @@ static iso_status group_report(const grouping *g, size_t number, json_t *own, is
     json_auto_t *scenes = json_object();
     const char *name;
     size_t i;
-    iso_status status = ISO_OK;
     json_object_foreach (json_object_get(of->root, "renderers"), name, row)
         json_object_set_new(g->renderers, name, json_true());
     json_array_foreach (json_object_get(of->root, "agreement"), i, row) {
         const char *renderer = iso_row_text(row, "renderer");
-        status = check_row(of->path, i, row, err);
-        if (status != ISO_OK)
-            break;
+        NEED(check_row(of->path, i, row, err));
         if (!renderer[0])
             continue;
         FREED char *scene = scene_key(of->root, row), *key = scene ? key_of(renderer, scene) : NULL;
@@ -92,7 +89,7 @@ static iso_status group_report(const grouping *g, size_t number, json_t *own, is
         json_array_append(json_object_get(group, "rows"), row);
     }
     add_sorted(g->scenes, scenes);
-    return status;
+    return ISO_OK;
 }
 
 static const iso_report_source *source_of(const iso_report_source *reports, const json_t *group)
@@ -447,25 +444,20 @@ static json_t *make_site(const grouping *g)
 
 iso_status iso_certificates_of(const iso_report_source *reports, size_t count, json_t **site, iso_error *err)
 {
-    grouping g = {reports, json_object(), json_object(), json_object()};
-    iso_status status = ISO_OK;
+    json_auto_t *groups = json_object(), *renderers = json_object(), *scenes = json_object();
+    const grouping g = {reports, groups, renderers, scenes};
     *site = NULL;
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
-        json_t *own = json_object(), *group;
+    for (size_t i = 0; i < count; ++i) {
+        json_auto_t *own = json_object();
+        json_t *group;
         const char *key;
-        status = group_report(&g, i, own, err);
-        if (status == ISO_OK && json_object_size(own) == 0)
-            status = iso_fail(err, ISO_E_FORMAT, "%s: has no comparison of a renderer, so nothing can be certified",
-                              reports[i].path);
+        NEED(group_report(&g, i, own, err));
+        if (json_object_size(own) == 0)
+            return iso_fail(err, ISO_E_FORMAT, "%s: has no comparison of a renderer, so nothing can be certified",
+                            reports[i].path);
         json_object_foreach (own, key, group)
-            if (status == ISO_OK)
-                merge_group(&g, key, group);
-        json_decref(own);
+            merge_group(&g, key, group);
     }
-    if (status == ISO_OK && !(*site = make_site(&g)))
-        status = iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
-    json_decref(g.groups);
-    json_decref(g.renderers);
-    json_decref(g.scenes);
-    return status;
+    *site = make_site(&g);
+    return *site ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
 }

@@ -48,32 +48,29 @@ static iso_status inline_certificate(const iso_report_source *reports, const jso
                                      iso_error *err)
 {
     static const char *const keys[] = {"image_a", "image_b", "mistake_wanted", "mistake_got"};
-    iso_image images[4] = {{0}};
-    iso_status status = ISO_OK;
-    char *uri = NULL, number[32];
+    OWNED(iso_image) a = {0}, b = {0}, wanted = {0}, got = {0};
+    iso_image *const images[] = {&a, &b, &wanted, &got};
+    FREED char *uri = NULL;
+    char number[32];
     int found = 0;
-    for (int i = 0; i < 4 && status == ISO_OK; ++i) {
+    for (int i = 0; i < 4; ++i) {
         const char *name = NULL;
         const iso_report_source *of = find_picture(reports, certificate, keys[i], &name);
         if (!of || !iso_report_source_has_pictures(of))
             continue;
         found += i < 2;
-        status = inline_picture(of, name, iso_row_text(certificate, keys[i]), &images[i],
-                                json_object_get(inlined, "images"), err);
+        NEED(inline_picture(of, name, iso_row_text(certificate, keys[i]), images[i], json_object_get(inlined, "images"),
+                            err));
     }
-    if (status == ISO_OK && found == 2) {
-        snprintf(number, sizeof number, "%lld", json_integer_value(json_object_get(certificate, "number")));
-        if (images[0].width != images[1].width || images[0].height != images[1].height)
-            status = iso_fail(err, ISO_E_FORMAT, "%s and %s have pictures of other sizes; the report is damaged",
-                              iso_row_text(certificate, keys[0]), iso_row_text(certificate, keys[1]));
-        TRY(status, iso_page_difference_uri(&images[0], &images[1], ISO_PAGE_COARSE, &uri, err));
-        if (status == ISO_OK)
-            json_object_set_new(json_object_get(inlined, "differences"), number, json_string(uri));
-    }
-    free(uri);
-    for (int i = 0; i < 4; ++i)
-        iso_image_destroy(&images[i]);
-    return status;
+    if (found != 2)
+        return ISO_OK;
+    if (a.width != b.width || a.height != b.height)
+        return iso_fail(err, ISO_E_FORMAT, "%s and %s have pictures of other sizes; the report is damaged",
+                        iso_row_text(certificate, keys[0]), iso_row_text(certificate, keys[1]));
+    NEED(iso_page_difference_uri(&a, &b, ISO_PAGE_COARSE, &uri, err));
+    snprintf(number, sizeof number, "%lld", json_integer_value(json_object_get(certificate, "number")));
+    json_object_set_new(json_object_get(inlined, "differences"), number, json_string(uri));
+    return ISO_OK;
 }
 
 /* ---- badges ---- */
@@ -89,14 +86,9 @@ static void put_badge(FILE *f, const json_t *renderer)
                         : verdict == ISO_VERDICT_NOT_COMPARED || away ? "#5b626d"
                                                                       : "#b93a08";
     const int text = LETTER_TENTHS * (int)strlen(words) / 10, right = text + PAD;
-    fprintf(f,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"20\" role=\"img\" aria-label=\"isoshade: ",
-            LEFT + right);
-    iso_markup_put(f, words);
-    fputs("\">\n<title>", f);
-    iso_markup_put(f, iso_row_text(renderer, "title"));
-    fputs(", ", f);
-    iso_markup_put(f, iso_row_text(renderer, "version"));
+    fprintf(f, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"20\" role=\"img\"", LEFT + right);
+    iso_markup_fill(f, iso_markup_put, " aria-label=\"isoshade: %\">\n<title>%, %", words,
+                    iso_row_text(renderer, "title"), iso_row_text(renderer, "version"));
     fprintf(f, ": %lld of %lld scenes agree, ", json_integer_value(json_object_get(renderer, "agreed")),
             json_integer_value(json_object_get(renderer, "scenes")));
     iso_markup_put(f, iso_row_text(renderer, "made"));
@@ -106,8 +98,7 @@ static void put_badge(FILE *f, const json_t *renderer)
     fputs("<g fill=\"#fff\" font-family=\"Verdana, DejaVu Sans, sans-serif\" font-size=\"11\">", f);
     fprintf(f, "<text x=\"%d\" y=\"14\" textLength=\"%d\">isoshade</text>", PAD / 2, LEFT - PAD);
     fprintf(f, "<text x=\"%d\" y=\"14\" textLength=\"%d\">", LEFT + PAD / 2, text);
-    iso_markup_put(f, words);
-    fputs("</text></g>\n</svg>\n", f);
+    iso_markup_fill(f, iso_markup_put, "%</text></g>\n</svg>\n", words);
 }
 
 /* Writes a badge, and adds it to the page. */
@@ -129,14 +120,16 @@ static iso_status write_badge(const char *dir, const json_t *renderer, json_t *i
 static iso_status write_badges(const char *dir, const json_t *renderers, json_t *inlined, iso_error *err)
 {
     FREED char *folder = iso_path_join(dir, "badges");
-    iso_status status = folder ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
     json_t *one;
     size_t i;
-    if (status == ISO_OK && mkdir(folder, 0777) != 0)
-        status = iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", folder, strerror(errno));
-    json_array_foreach (renderers, i, one)
-        TRY(status, write_badge(dir, one, inlined, err));
-    return status;
+    if (!folder)
+        return iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
+    if (mkdir(folder, 0777) != 0)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", folder, strerror(errno));
+    json_array_foreach (renderers, i, one) {
+        NEED(write_badge(dir, one, inlined, err));
+    }
+    return ISO_OK;
 }
 
 /* ---- the site ---- */
@@ -153,15 +146,14 @@ static iso_status write_site(const char *dir, const json_t *site, json_t *inline
 
 iso_status iso_certificates_write(const char *dir, const json_t *site, const iso_report_source *reports, iso_error *err)
 {
-    iso_output out = {0};
-    json_t *inlined = json_pack("{s:{}, s:{}}", "images", "differences"), *one;
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
+    json_auto_t *inlined = json_pack("{s:{}, s:{}}", "images", "differences");
+    json_t *one;
     size_t i;
-    iso_status status = iso_output_begin_dir(&out, dir, "certificates.json", err);
-    json_array_foreach (json_object_get(site, "certificates"), i, one)
-        TRY(status, inline_certificate(reports, one, inlined, err));
-    TRY(status, write_site(out.temp_path, site, inlined, err));
-    TRY(status, iso_output_commit(&out, err));
-    iso_output_abandon(&out);
-    json_decref(inlined);
-    return status;
+    NEED(iso_output_begin_dir(&out, dir, "certificates.json", err));
+    json_array_foreach (json_object_get(site, "certificates"), i, one) {
+        NEED(inline_certificate(reports, one, inlined, err));
+    }
+    NEED(write_site(out.temp_path, site, inlined, err));
+    return iso_output_commit(&out, err);
 }

@@ -40,11 +40,6 @@ static double both_noises(const json_t *a, const json_t *b)
     return noise_factor * hypot(noise_of(a), noise_of(b));
 }
 
-static double value_of(const json_t *row, const char *metric)
-{
-    return strcmp(metric, "ssim_dissimilarity") == 0 ? 1 - iso_row_number(row, "ssim") : iso_row_number(row, metric);
-}
-
 /* Returns the part of a metric that noise explains: all of the RMSE; the largest pixel tolerance for the largest
  * difference; for the others the ratio of noise to RMSE. */
 static double noise_in(const json_t *a, const json_t *b, const char *metric)
@@ -55,7 +50,7 @@ static double noise_in(const json_t *a, const json_t *b, const char *metric)
     if (strcmp(metric, "max_abs") == 0)
         return hypot(iso_row_number(json_object_get(a, "statistics"), "pixel_tolerance_largest"),
                      iso_row_number(json_object_get(b, "statistics"), "pixel_tolerance_largest"));
-    return fmin(rmse > 0 ? noise / rmse : 1, 1) * fmax(value_of(a, metric), value_of(b, metric));
+    return fmin(rmse > 0 ? noise / rmse : 1, 1) * fmax(iso_row_metric(a, metric), iso_row_metric(b, metric));
 }
 
 iso_tolerance iso_difference_tolerance(const json_t *a, const json_t *b, const char *metric)
@@ -130,7 +125,7 @@ static void compare_metrics(const pair *p)
         const char *metric = metrics[i];
         if (!json_object_get(a, metric) && !json_object_get(b, metric))
             continue;
-        compare_numbers(p, metric, value_of(p->a, metric), value_of(p->b, metric),
+        compare_numbers(p, metric, iso_row_metric(p->a, metric), iso_row_metric(p->b, metric),
                         iso_difference_tolerance(p->a, p->b, metric));
         if (limit_is_stated(p->b, metric))
             compare_limit(p, metric, iso_row_number(a, metric), iso_row_number(b, metric), 0);
@@ -261,29 +256,24 @@ static void compare_consistency(const pair *p)
 
 enum { NAME_BYTES = 700 };
 
-static long long level_of(const json_t *row)
-{
-    return (long long)json_integer_value(json_object_get(row, "level"));
-}
-
 static void name_agreement(const json_t *row, char name[NAME_BYTES])
 {
     char of[ISO_ROW_NAME_BYTES];
     iso_row_name_of(row, of);
-    snprintf(name, NAME_BYTES, "%.300s, level %lld: %.180s against %.100s", iso_row_text(row, "scene"), level_of(row),
-             of, iso_row_text(row, "a"));
+    snprintf(name, NAME_BYTES, "%.300s, level %lld: %.180s against %.100s", iso_row_text(row, "scene"),
+             iso_row_level(row), of, iso_row_text(row, "a"));
 }
 
 static void name_levels(const json_t *row, char name[NAME_BYTES])
 {
-    snprintf(name, NAME_BYTES, "level %lld", level_of(row));
+    snprintf(name, NAME_BYTES, "level %lld", iso_row_level(row));
 }
 
 static void name_consistency(const json_t *row, char name[NAME_BYTES])
 {
     char method[ISO_CONSISTENCY_NAME_BYTES];
     iso_report_consistency_name(row, method);
-    snprintf(name, NAME_BYTES, "level %lld against level 0, %.120s", level_of(row), method);
+    snprintf(name, NAME_BYTES, "level %lld against level 0, %.120s", iso_row_level(row), method);
 }
 
 static void name_calibration(const json_t *row, char name[NAME_BYTES])

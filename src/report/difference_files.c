@@ -58,24 +58,19 @@ static json_t *describe_problem(const char *name, const char *problem)
 static iso_status inline_pair(const picture_pair *p, const iso_report_source *const of[2], size_t number,
                               json_t *inlined, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    char *uri = NULL, key[32];
-    for (int i = 0; i < 2 && status == ISO_OK; ++i) {
-        FREED char *png = iso_report_source_picture(of[i], p->name, "png"), *place = NULL;
-        status = png && asprintf(&place, "%c/%s", "ab"[i], p -> name) >= 0
-                     ? iso_page_file_uri(png, "image/png", &uri, err)
-                     : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
-        if (status == ISO_OK)
-            json_object_set_new(json_object_get(inlined, "images"), place, json_string(uri));
-        free(uri);
-        uri = NULL;
+    FREED char *difference = NULL;
+    char key[32];
+    for (int i = 0; i < 2; ++i) {
+        FREED char *png = iso_report_source_picture(of[i], p->name, "png"), *place = NULL, *uri = NULL;
+        if (!png || asprintf(&place, "%c/%s", "ab"[i], p -> name) < 0)
+            return iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
+        NEED(iso_page_file_uri(png, "image/png", &uri, err));
+        json_object_set_new(json_object_get(inlined, "images"), place, json_string(uri));
     }
-    TRY(status, iso_page_difference_uri(&p->images[0], &p->images[1], ISO_PAGE_FINE, &uri, err));
+    NEED(iso_page_difference_uri(&p->images[0], &p->images[1], ISO_PAGE_FINE, &difference, err));
     snprintf(key, sizeof key, "%zu", number);
-    if (status == ISO_OK)
-        json_object_set_new(json_object_get(inlined, "differences"), key, json_string(uri));
-    free(uri);
-    return status;
+    json_object_set_new(json_object_get(inlined, "differences"), key, json_string(difference));
+    return ISO_OK;
 }
 
 /* Loads both pictures. A missing one, or two of other sizes, are a difference: *problem is the reason, to be freed.
@@ -266,14 +261,12 @@ void iso_difference_conclude(json_t *difference)
 
 iso_status iso_difference_write(const char *dir, const json_t *difference, const json_t *inlined, iso_error *err)
 {
-    iso_output out = {0};
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
     NEED(iso_output_begin_dir(&out, dir, "difference.json", err));
     FREED char *data = iso_path_join(out.temp_path, "difference.json"),
                *page = iso_path_join(out.temp_path, "index.html");
-    iso_status status = data && page ? iso_json_save(data, difference, err)
-                                     : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
-    TRY(status, iso_page_write(page, &iso_page_of_difference, difference, inlined, err));
-    TRY(status, iso_output_commit(&out, err));
-    iso_output_abandon(&out);
-    return status;
+    NEED(data && page ? iso_json_save(data, difference, err)
+                      : iso_fail(err, ISO_E_MEMORY, "report diff: out of memory"));
+    NEED(iso_page_write(page, &iso_page_of_difference, difference, inlined, err));
+    return iso_output_commit(&out, err);
 }

@@ -66,23 +66,17 @@ static iso_status run_gnuplot(const char *dir, const char *name, const char *for
 {
     FREED char *gnuplot = NULL, *script = NULL, *setting = NULL, *picture = NULL;
     NEED(iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, err));
-    if (asprintf(&script, "%s.gp", name) < 0)
-        script = NULL;
-    /* Draws a PNG without its pictures (figure/page.h); charts have none. */
-    if (asprintf(&setting, "format='%s'%s", format, strcmp(format, "png") == 0 ? "; overlay=1" : "") < 0)
-        setting = NULL;
-    if (asprintf(&picture, "%s/%s%s.%s", dir, name, strcmp(format, "tex") == 0 ? "-latex" : "", format) < 0)
-        picture = NULL;
-    if (script && setting && picture) {
-        const char *argv[] = {gnuplot, "-d", "-e", setting, script, NULL};
-        const iso_process_options process = {
-            .directory = dir, .sandbox = {.without = foreign_setting}, .timeout_seconds = 600};
-        NEED(iso_process_run(argv, &process, err));
-        NEED(check_picture(picture, format, err));
-    } else {
+    /* "overlay" draws a PNG without its pictures (figure/page.h); charts have none. */
+    if (asprintf(&script, "%s.gp", name) < 0 ||
+        asprintf(&setting, "format='%s'%s", format, strcmp(format, "png") == 0 ? "; overlay=1" : "") < 0 ||
+        asprintf(&picture, "%s/%s%s.%s", dir, name, strcmp(format, "tex") == 0 ? "-latex" : "", format) < 0)
         return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    }
-    return ISO_OK;
+    const char *argv[] = {gnuplot, "-d", "-e", setting, script, NULL};
+    const iso_process_options process = {.directory = dir,
+                                         .sandbox = {.without = foreign_setting},
+                                         .timeout_seconds = 600};
+    NEED(iso_process_run(argv, &process, err));
+    return check_picture(picture, format, err);
 }
 
 iso_status iso_gnuplot_use_style(const char *from, const char *dir, iso_error *err)
@@ -169,27 +163,21 @@ static iso_status write_script(const char *path, const char *format, const char 
 iso_status iso_gnuplot_picture(const char *output, double width, double height, iso_gnuplot_writer write, void *user,
                                iso_error *err)
 {
-    FREED char *gnuplot = NULL, *dir = NULL, *script = NULL;
-    iso_output out = {0};
+    FREED char *gnuplot = NULL;
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
     const char *format = iso_gnuplot_ending(output);
     if (!format)
         return iso_fail(err, ISO_E_USAGE, "\"%s\" must end with .png or .svg or .pdf", output);
-    iso_status status = iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, err);
-    if (status == ISO_OK && !(dir = iso_make_temp_dir()))
-        status = iso_temp_dir_fail(err);
-    if (status == ISO_OK && !(script = iso_path_join(dir, "picture.gp")))
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_output_begin(&out, output, err));
-    TRY(status, write_script(script, format, out.temp_path, width, height, write, user, err));
-    if (status == ISO_OK) {
-        const iso_process_options process = {.sandbox = {.output = out.temp_path, .without = foreign_setting},
-                                             .timeout_seconds = 600};
-        status = iso_process_run((const char *[]){gnuplot, "-d", script, NULL}, &process, err);
-    }
-    TRY(status, check_picture(out.temp_path, format, err));
-    TRY(status, iso_output_commit(&out, err));
-    iso_output_abandon(&out);
-    if (dir)
-        iso_remove_tree(dir);
-    return status;
+    NEED(iso_process_find("gnuplot", "gnuplot-nox", &gnuplot, err));
+    ENDED_BY(iso_end_temp_dir) char *dir = iso_make_temp_dir();
+    if (!dir)
+        return iso_temp_dir_fail(err);
+    FREED char *script = iso_path_join(dir, "picture.gp");
+    NEED(script ? iso_output_begin(&out, output, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    NEED(write_script(script, format, out.temp_path, width, height, write, user, err));
+    const iso_process_options process = {.sandbox = {.output = out.temp_path, .without = foreign_setting},
+                                         .timeout_seconds = 600};
+    NEED(iso_process_run((const char *[]){gnuplot, "-d", script, NULL}, &process, err));
+    NEED(check_picture(out.temp_path, format, err));
+    return iso_output_commit(&out, err);
 }

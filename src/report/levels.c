@@ -176,8 +176,7 @@ static bool is_choice_wrong(const json_t *row, const json_t *rival)
 
 static void add_rival(iso_levels_summary *s, const json_t *row, const json_t *rival)
 {
-    iso_words_append(s->sentence, sizeof s->sentence,
-                     " Level %lld: ", (long long)json_integer_value(json_object_get(row, "level")));
+    iso_words_append(s->sentence, sizeof s->sentence, " Level %lld: ", iso_row_level(row));
     if (is_choice_wrong(row, rival))
         iso_words_append(s->sentence, sizeof s->sentence, "auto chose %s, but ", iso_row_text(row, "chosen_filter"));
     add_way(s, rival);
@@ -189,7 +188,7 @@ static void add_rival(iso_levels_summary *s, const json_t *row, const json_t *ri
 /* Adds the reasons for which a level does not hold. */
 static void add_failures(iso_levels_summary *s, const json_t *row)
 {
-    const long long level = (long long)json_integer_value(json_object_get(row, "level"));
+    const long long level = iso_row_level(row);
     const json_t *stored = json_object_get(row, "stored");
     json_t *f;
     size_t i;
@@ -230,8 +229,7 @@ static void add_bounds(iso_levels_summary *s, const json_t *rows)
         if (!bound)
             continue;
         iso_words_append(s->sentence, sizeof s->sentence, "%s%.2g of %.2g at level %lld", before,
-                         iso_row_number(bound, "rmse"), iso_row_number(bound, "bound"),
-                         (long long)json_integer_value(json_object_get(row, "level")));
+                         iso_row_number(bound, "rmse"), iso_row_number(bound, "bound"), iso_row_level(row));
         before = ", ";
     }
     if (before[0] == ',')
@@ -299,8 +297,8 @@ static void add_added_views(iso_levels_summary *s, const json_t *rows)
         const double views = iso_row_number(row, "views"), before = iso_row_number(row, "views_before");
         if (views > before)
             iso_words_append(s->sentence, sizeof s->sentence,
-                             " Level %lld was undecided after %.0f views: %.0f were used.",
-                             (long long)json_integer_value(json_object_get(row, "level")), before, views);
+                             " Level %lld was undecided after %.0f views: %.0f were used.", iso_row_level(row), before,
+                             views);
     }
 }
 

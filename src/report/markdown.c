@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/markup.h"
 #include "base/provenance.h"
 #include "base/words.h"
 #include "report/report.h"
@@ -36,6 +37,8 @@ void iso_markdown_put_text(FILE *f, const char *text)
     }
 }
 
+#define FILL(f, ...) iso_markup_fill(f, iso_markdown_put_text, __VA_ARGS__)
+
 /* Writes the target of a link, escaped as in URLs. */
 static void put_target(FILE *f, const char *path)
 {
@@ -52,9 +55,7 @@ static void put_link(FILE *f, const char *link)
 {
     if (!link)
         return;
-    fputs("[", f);
-    iso_markdown_put_text(f, link);
-    fputs("](", f);
+    FILL(f, "[%](", link);
     put_target(f, link);
     fputs(")\n", f);
 }
@@ -65,13 +66,6 @@ static void put_number(FILE *f, double value)
         fputs("no number", f);
     else
         fprintf(f, "%.4g", value);
-}
-
-/* Writes a cell and the separator. */
-static void put_cell(FILE *f, const char *text)
-{
-    iso_markdown_put_text(f, text);
-    fputs(" | ", f);
 }
 
 /* Writes the number of rows that are not shown. */
@@ -104,11 +98,8 @@ static excess worst_of(const json_t *row)
     const char *metric;
     json_t *limit, *gate;
     size_t i;
-    json_object_foreach (json_object_get(row, "limits"), metric, limit) {
-        const bool ssim = strcmp(metric, "ssim_dissimilarity") == 0;
-        consider(&worst, metric, ssim ? 1 - iso_row_number(row, "ssim") : iso_row_number(row, metric),
-                 json_number_value(limit));
-    }
+    json_object_foreach (json_object_get(row, "limits"), metric, limit)
+        consider(&worst, metric, iso_row_metric(row, metric), json_number_value(limit));
     json_array_foreach (json_object_get(row, "gates"), i, gate)
         consider(&worst, iso_row_text(gate, "name"), iso_row_number(gate, "value"), iso_row_number(gate, "limit"));
     return worst;
@@ -119,12 +110,8 @@ static void put_failed_agreement(FILE *f, const json_t *row)
     char name[ISO_ROW_NAME_BYTES], level[32];
     const excess worst = worst_of(row);
     iso_row_name_of(row, name);
-    snprintf(level, sizeof level, "%lld", (long long)json_integer_value(json_object_get(row, "level")));
-    fputs("| ", f);
-    put_cell(f, iso_row_text(row, "scene"));
-    put_cell(f, level);
-    put_cell(f, name);
-    put_cell(f, worst.name);
+    snprintf(level, sizeof level, "%lld", iso_row_level(row));
+    FILL(f, "| % | % | % | % | ", iso_row_text(row, "scene"), level, name, worst.name);
     put_number(f, worst.value);
     fputs(" | ", f);
     put_number(f, worst.limit);
@@ -133,9 +120,7 @@ static void put_failed_agreement(FILE *f, const json_t *row)
 
 static void put_failed_calibration(FILE *f, const json_t *row)
 {
-    fputs("| calibration | | ", f);
-    put_cell(f, iso_row_text(row, "renderer"));
-    put_cell(f, iso_row_text(row, "check"));
+    FILL(f, "| calibration | | % | % | ", iso_row_text(row, "renderer"), iso_row_text(row, "check"));
     put_number(f, iso_row_number(row, "value"));
     fputs(" | ", f);
     put_number(f, iso_row_number(row, "limit"));
@@ -145,9 +130,8 @@ static void put_failed_calibration(FILE *f, const json_t *row)
 /* Writes a row of a failed level; the sentence of the levels has the reasons. */
 static void put_failed_levels(FILE *f, const json_t *row)
 {
-    fprintf(f, "| levels | %lld | ", (long long)json_integer_value(json_object_get(row, "level")));
-    put_cell(f, iso_row_text(row, "method"));
-    fputs("does not hold | | |\n", f);
+    fprintf(f, "| levels | %lld | ", iso_row_level(row));
+    FILL(f, "% | does not hold | | |\n", iso_row_text(row, "method"));
 }
 
 #define put_failed_consistency NULL /* it has no limits */
@@ -210,8 +194,7 @@ static void put_left_out(FILE *f, json_t *left_out)
     json_t *why;
     json_object_foreach (left_out, name, why) {
         fprintf(f, "\nLeft out: %s: ", name);
-        iso_markdown_put_text(f, json_string_value(why));
-        fputs("\n", f);
+        FILL(f, "%\n", json_string_value(why));
     }
 }
 
@@ -224,13 +207,8 @@ static void put_not_calibrated(FILE *f, const json_t *calibration)
         if (iso_row_verdict(row) == ISO_VERDICT_NOT_COMPARED) {
             if (count++ == 0)
                 fputs("\n**Not calibrated**\n\n", f);
-            fputs("- ", f);
-            iso_markdown_put_text(f, iso_row_text(row, "renderer"));
-            fputs(", ", f);
-            iso_markdown_put_text(f, iso_row_text(row, "check"));
-            fputs(": ", f);
-            iso_markdown_put_text(f, iso_row_text(row, "detail"));
-            fputs("\n", f);
+            FILL(f, "- %, %: %\n", iso_row_text(row, "renderer"), iso_row_text(row, "check"),
+                 iso_row_text(row, "detail"));
         }
 }
 
@@ -241,31 +219,22 @@ static void put_versions(FILE *f, const json_t *versions)
     if (json_object_size(versions) == 0)
         return;
     fputs("\n| | version |\n|---|---|\n", f);
-    json_object_foreach ((json_t *)versions, what, version) {
-        fputs("| ", f);
-        put_cell(f, what);
-        iso_markdown_put_text(f, json_is_string(version) ? json_string_value(version) : "");
-        fputs(" |\n", f);
-    }
+    json_object_foreach ((json_t *)versions, what, version)
+        FILL(f, "| % | % |\n", what, json_is_string(version) ? json_string_value(version) : "");
 }
 
 static void put_head(FILE *f, const char *kind, const json_t *root)
 {
     const bool good = iso_row_verdict(root) == ISO_VERDICT_AGREE;
     fprintf(f, "### %s %s", good ? "✅" : "❌", kind);
-    iso_markdown_put_text(f, iso_row_text(root, "title"));
-    fputs("\n\n", f);
-    iso_markdown_put_text(f, iso_row_text(root, "sentence"));
-    fputs("\n\n", f);
+    FILL(f, "%\n\n%\n\n", iso_row_text(root, "title"), iso_row_text(root, "sentence"));
 }
 
 static void put_report(FILE *f, const json_t *root)
 {
     put_head(f, "isoshade validate: ", root);
-    if (iso_row_text(root, "levels_sentence")[0]) {
-        iso_markdown_put_text(f, iso_row_text(root, "levels_sentence"));
-        fputs("\n", f);
-    }
+    if (iso_row_text(root, "levels_sentence")[0])
+        FILL(f, "%\n", iso_row_text(root, "levels_sentence"));
     put_failures(f, root);
     put_refusals(f, json_object_get(root, "agreement"));
     put_left_out(f, json_object_get(root, "left_out"));
@@ -292,9 +261,7 @@ static void put_value(FILE *f, const json_t *value)
 /* Writes a line of a change: row, what, A, B. */
 static void put_change(FILE *f, const json_t *row, const char *what, const json_t *a, const json_t *b)
 {
-    fputs("| ", f);
-    put_cell(f, iso_row_text(row, "name"));
-    put_cell(f, what);
+    FILL(f, "| % | % | ", iso_row_text(row, "name"), what);
     put_value(f, a);
     put_value(f, b);
     fputs("\n", f);
@@ -319,8 +286,7 @@ static void put_facts(FILE *f, const json_t *facts)
         return;
     fputs("\n| made with | A | B |\n|---|---|---|\n", f);
     json_array_foreach ((json_t *)facts, i, fact) {
-        fputs("| ", f);
-        put_cell(f, iso_row_text(fact, "fact"));
+        FILL(f, "| % | ", iso_row_text(fact, "fact"));
         put_value(f, json_object_get(fact, "a"));
         put_value(f, json_object_get(fact, "b"));
         fputs("\n", f);

@@ -72,6 +72,22 @@ iso_status iso_page_file_uri(const char *path, const char *type, char **uri, iso
     return *uri ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
 }
 
+char *iso_page_png_uri(const unsigned char *rgb, size_t width, size_t height)
+{
+    png_image info = {.version = PNG_IMAGE_VERSION, .format = PNG_FORMAT_RGB};
+    info.width = (png_uint_32)width;
+    info.height = (png_uint_32)height;
+    png_alloc_size_t size = 0;
+    FREED unsigned char *png = NULL;
+    char *uri = NULL;
+    if (png_image_write_to_memory(&info, NULL, &size, 0, rgb, 0, NULL))
+        png = malloc(size);
+    if (png && png_image_write_to_memory(&info, png, &size, 0, rgb, 0, NULL))
+        uri = data_uri("image/png", png, size);
+    png_image_free(&info);
+    return uri;
+}
+
 static unsigned difference_code(const float *a, const float *b)
 {
     double d = 0;
@@ -90,10 +106,7 @@ iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, iso_p
                                    iso_error *err)
 {
     size_t count = a->width * a->height;
-    FREED unsigned char *rgb = calloc(count, 3), *png = NULL;
-    png_image info = {.version = PNG_IMAGE_VERSION, .format = PNG_FORMAT_RGB};
-    info.width = (png_uint_32)a->width;
-    info.height = (png_uint_32)a->height;
+    FREED unsigned char *rgb = calloc(count, 3);
     for (size_t i = 0; rgb && i < count; ++i) {
         unsigned code = difference_code(a->rgba + 4 * i, b->rgba + 4 * i);
         if (precision == ISO_PAGE_COARSE && code > 0 && code < 65535)
@@ -101,54 +114,39 @@ iso_status iso_page_difference_uri(const iso_image *a, const iso_image *b, iso_p
         rgb[3 * i] = (unsigned char)(code >> 8);
         rgb[3 * i + 1] = (unsigned char)(code & 255);
     }
-    png_alloc_size_t size = 0;
-    if (rgb && png_image_write_to_memory(&info, NULL, &size, 0, rgb, 0, NULL))
-        png = malloc(size);
-    if (png && png_image_write_to_memory(&info, png, &size, 0, rgb, 0, NULL))
-        *uri = data_uri("image/png", png, size);
-    png_image_free(&info);
+    *uri = rgb ? iso_page_png_uri(rgb, a->width, a->height) : NULL;
     return *uri ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "report: no memory for a picture of %zu pixels", count);
 }
 
 /* ---- the page ---- */
 
-static void put_marked(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined, const char *html);
+/* The parts of a page. */
+typedef struct parts {
+    const iso_page *page;
+    const json_t *data, *inlined;
+} parts;
 
-static void put_mark(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined, const char *mark)
+static void put_mark(FILE *f, const char *mark, const void *user)
 {
+    const parts *p = user;
     if (strcmp(mark, "STYLE") == 0) {
         fputs(iso_report_css, f);
-        fputs(page->style ? page->style : "", f);
+        fputs(p->page->style ? p->page->style : "", f);
     } else if (strcmp(mark, "SCRIPT") == 0)
-        for (size_t i = 0; page->scripts[i]; ++i)
-            fputs(page->scripts[i], f);
+        for (size_t i = 0; p->page->scripts[i]; ++i)
+            fputs(p->page->scripts[i], f);
     else if (strcmp(mark, "DATA") == 0)
-        iso_markup_put_json(f, data);
+        iso_markup_put_json(f, p->data);
     else if (strcmp(mark, "INLINED") == 0)
-        iso_markup_put_json(f, inlined);
+        iso_markup_put_json(f, p->inlined);
     else if (strcmp(mark, "SENTENCE") == 0)
-        iso_markup_put(f, iso_row_text(data, "sentence"));
+        iso_markup_put(f, iso_row_text(p->data, "sentence"));
     else if (strcmp(mark, "TITLE") == 0)
-        iso_markup_put(f, iso_row_text(data, "title"));
+        iso_markup_put(f, iso_row_text(p->data, "title"));
     else if (strcmp(mark, "KIND") == 0)
-        fputs(page->kind, f);
+        fputs(p->page->kind, f);
     else if (strcmp(mark, "BODY") == 0)
-        put_marked(f, page, data, inlined, strchr(page->html, '\n') + 1);
-}
-
-/* Fills in the marks @NAME@ of a template, which has no other @. */
-static void put_marked(FILE *f, const iso_page *page, const json_t *data, const json_t *inlined, const char *html)
-{
-    const char *at = html;
-    for (const char *mark; (mark = strchr(at, '@'));) {
-        char name[16];
-        const int length = (int)strcspn(mark + 1, "@");
-        snprintf(name, sizeof name, "%.*s", length, mark + 1);
-        fwrite(at, 1, (size_t)(mark - at), f);
-        put_mark(f, page, data, inlined, name);
-        at = mark + 1 + length + 1;
-    }
-    fputs(at, f);
+        iso_markup_fill_marks(f, strchr(p->page->html, '\n') + 1, put_mark, p);
 }
 
 iso_status iso_page_write(const char *path, const iso_page *page, const json_t *data, const json_t *inlined,
@@ -157,12 +155,8 @@ iso_status iso_page_write(const char *path, const iso_page *page, const json_t *
     FREED char *html = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&html, &size);
-    iso_status status = f ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
-    if (f) {
-        put_marked(f, page, data, inlined, iso_page_html);
-        if (fclose(f) != 0)
-            status = iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
-    }
-    TRY(status, iso_file_write(path, html, size, err));
-    return status;
+    if (f)
+        iso_markup_fill_marks(f, iso_page_html, put_mark, &(parts){page, data, inlined});
+    return f && fclose(f) == 0 ? iso_file_write(path, html, size, err)
+                               : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
 }

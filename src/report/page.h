@@ -2,6 +2,8 @@
 /* page.h - self-contained pages of reports and charts, made of a template, scripts and data, with pictures as text. */
 #pragma once
 
+#include <stdio.h>
+
 #include "base/json.h"
 #include "image/image.h"
 
@@ -21,6 +23,8 @@ iso_status iso_page_write(const char *path, const iso_page *page, const json_t *
 
 /* Reads a file as a data URI, to be freed. type: "image/png". */
 iso_status iso_page_file_uri(const char *path, const char *type, char **uri, iso_error *err);
+/* Encodes bytes of sRGB as a data URI of a PNG, to be freed; NULL: no memory. */
+char *iso_page_png_uri(const unsigned char *rgb, size_t width, size_t height);
 
 /* Encodes the largest channel difference of each pixel of two images of one size: 16 bits on a log scale in a PNG's
  * red and green. code = 1 + 65533 log10(d / 1e-9) / 11, 0 for no difference, 65535 for non-finite. Coarse: a multiple

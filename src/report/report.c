@@ -14,6 +14,7 @@
 #include "base/machine.h"
 #include "base/parallel.h"
 #include "base/provenance.h"
+#include "compare/statistics.h"
 #include "report/levels.h"
 #include "report/report_files.h"
 #include "report/sections.h"
@@ -33,8 +34,7 @@ struct iso_report {
 static json_t *text(const char *value)
 {
     FREED char *copy = value ? strdup(value) : NULL;
-    json_t *json = copy ? json_string(iso_provenance_shorten(copy)) : json_null();
-    return json;
+    return copy ? json_string(iso_provenance_shorten(copy)) : json_null();
 }
 
 static iso_status no_memory(iso_error *err)
@@ -62,12 +62,12 @@ iso_status iso_report_create(iso_report **report, const char *dir, const iso_rep
     strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     r->start_seconds = iso_clock_seconds();
     r->inlined = json_pack("{s:{}, s:[], s:[], s:{}, s:{}}", "images", "differences", "words", "charts", "mistakes");
-    r->root = json_pack(
-        "{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:s, s:[], s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}", "schema",
-        ISO_REPORT_SCHEMA, "command", text(about->command), "options", "title", text(about->title), "volume",
-        text(iso_provenance_name(about->volume)), "scene", text(iso_provenance_name(about->scene)), "made", stamp,
-        "verdict", "", "sentence", "", "levels_sentence", "", "agreement", "levels", "consistency", "calibration",
-        "images", "machine", "versions", "seconds");
+    r->root =
+        json_pack("{s:s, s:o, s:{}, s:o, s:o, s:o, s:s, s:s, s:s, s:s, s:[], s:[], s:[], s:[], s:{}, s:{}, s:{}, s:{}}",
+                  "schema", ISO_REPORT_SCHEMA, "command", text(about->command), "options", "title", text(about->title),
+                  "volume", text(iso_provenance_name(about->volume)), "scene", text(iso_provenance_name(about->scene)),
+                  "made", stamp, "verdict", "", "sentence", "", "levels_sentence", "", "agreement", "levels",
+                  "consistency", "calibration", "images", "machine", "versions", "seconds");
     if (!r->root || !r->inlined) {
         iso_report_destroy(r);
         return no_memory(err);
@@ -178,6 +178,65 @@ const char *iso_gate_name(iso_gate gate)
     return gates[gate].name;
 }
 
+/* ---- verdict and severity of a row ---- */
+
+/* Returns the largest ratio of a metric to its limit; infinite if nothing can be measured. */
+double iso_report_severity(const iso_report_agreement *row)
+{
+    const iso_metrics *m = &row->metrics;
+    if (row->refused || m->nonfinite_count > 0 || !isfinite(m->max_abs))
+        return INFINITY;
+    const double pairs[][2] = {
+        {m->rmse, row->tolerances.rmse},           {m->max_abs, row->tolerances.max_abs},
+        {m->p99_abs, row->tolerances.p99_abs},     {1 - m->ssim, row->tolerances.ssim_dissimilarity},
+        {m->flip_mean, row->tolerances.flip_mean},
+    };
+    double worst = 0;
+    bool asked = false;
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; ++i)
+        if (pairs[i][1] > 0) {
+            asked = true;
+            worst = iso_larger(worst, pairs[i][0] / pairs[i][1]);
+        }
+    if (!asked && row->gate_count == 0)
+        return m->max_abs > 0 ? INFINITY : 0;
+    for (size_t i = 0; i < row->gate_count; ++i) {
+        const iso_report_gate *g = &row->gates[i];
+        double ratio = g->limit > 0 ? g->value / g->limit : g->value <= 0 ? 0 : INFINITY;
+        if (isnan(ratio))
+            return INFINITY;
+        worst = fmax(worst, ratio);
+    }
+    return isnan(worst) ? INFINITY : worst;
+}
+
+static bool gates_hold(const iso_report_agreement *row)
+{
+    for (size_t i = 0; i < row->gate_count; ++i)
+        if (!(row->gates[i].value <= row->gates[i].limit))
+            return false;
+    return true;
+}
+
+static bool has_tolerances(const iso_tolerances *l)
+{
+    return l->rmse > 0 || l->max_abs > 0 || l->p99_abs > 0 || l->ssim_dissimilarity > 0 || l->flip_mean > 0;
+}
+
+iso_verdict iso_report_verdict(const iso_report_agreement *row)
+{
+    if (row->refused)
+        return ISO_VERDICT_REFUSED;
+    const bool metrics = row->gate_count > 0 && !has_tolerances(&row->tolerances)
+                             ? row->metrics.nonfinite_count == 0
+                             : iso_metrics_within(&row->metrics, &row->tolerances);
+    if (!metrics || !gates_hold(row)) /* also if the reference shows nothing: b draws something then */
+        return ISO_VERDICT_DIFFER;
+    return row->uncompared == ISO_UNCOMPARED_NOT ? ISO_VERDICT_AGREE : ISO_VERDICT_NOT_COMPARED;
+}
+
+/* ---- rows ---- */
+
 static json_t *gates_json(const iso_report_agreement *row)
 {
     json_t *list = json_array();
@@ -191,19 +250,7 @@ static json_t *gates_json(const iso_report_agreement *row)
 /* Lists the limits of the metrics. Without any limit or gate only equal images agree. */
 static json_t *limits_json(const iso_report_agreement *row)
 {
-    const iso_tolerances *l = &row->tolerances;
-    const struct {
-        const char *key;
-        double value;
-    } all[] = {
-        {"rmse", l->rmse},           {"max_abs", l->max_abs},
-        {"p99_abs", l->p99_abs},     {"ssim_dissimilarity", l->ssim_dissimilarity},
-        {"flip_mean", l->flip_mean},
-    };
-    json_t *object = json_object();
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
-        if (all[i].value > 0)
-            json_object_set_new(object, all[i].key, json_real(all[i].value));
+    json_t *object = iso_tolerances_to_json(&row->tolerances);
     if (json_object_size(object) == 0 && row->gate_count == 0 && row->image_b && !row->refused)
         json_object_set_new(object, "max_abs", json_real(0));
     return object;
@@ -255,10 +302,13 @@ static const char *reason_of(const iso_report_agreement *row, iso_verdict verdic
 
 iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *row, iso_error *err)
 {
-    iso_status status = check_image_name(r, row->image_a, err);
-    TRY(status, check_image_name(r, row->image_b, err));
-    if (status != ISO_OK)
-        return status;
+    static const iso_metrics none = {
+        .rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
+    FREED char *difference = NULL;
+    NEED(check_image_name(r, row->image_a, err));
+    NEED(check_image_name(r, row->image_b, err));
+    if (row->image_a && row->image_b)
+        NEED(iso_report_files_difference(r->out.temp_path, row->image_a, row->image_b, &difference, err));
     const iso_verdict verdict = iso_report_verdict(row);
     char name[ISO_ROW_NAME_BYTES];
     const char *renderer = row->renderer ? row->renderer : "", *variant = row->variant ? row->variant : "";
@@ -266,13 +316,8 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
     json_t *o = json_pack("{s:I, s:o, s:o, s:s, s:s, s:s, s:s, s:o}", "level", (json_int_t)row->level, "scene",
                           text(row->scene), "a", text(row->a), "b", name, "renderer", renderer, "comparison",
                           iso_comparison_word(row->comparison), "variant", variant, "tier", text(row->tier));
-    if ((row->refused || row->uncompared) && !row->image_b) {
-        const iso_metrics none = {
-            .rmse = NAN, .max_abs = NAN, .p99_abs = NAN, .psnr_db = NAN, .ssim = NAN, .flip_mean = NAN};
-        json_object_update_new(o, iso_metrics_to_json(&none));
-    } else {
-        json_object_update_new(o, iso_metrics_to_json(&row->metrics));
-    }
+    const bool is_measured = row->image_b || !(row->refused || row->uncompared);
+    json_object_update_new(o, iso_metrics_to_json(is_measured ? &row->metrics : &none));
     json_object_set_new(o, "error_bar", iso_json_number(row->error_bar));
     json_object_set_new(o, "verdict", json_string(iso_verdict_word(verdict)));
     json_object_set_new(o, "severity", iso_json_number(iso_report_severity(row)));
@@ -284,19 +329,11 @@ iso_status iso_report_add_agreement(iso_report *r, const iso_report_agreement *r
     json_object_set_new(o, "gates", gates_json(row));
     if (row->statistics)
         json_object_set(o, "statistics", row->statistics);
-    json_object_set_new(o, "seconds", row->seconds > 0 ? json_real(row->seconds) : json_null());
-    json_object_set_new(o, "why", text(reason_of(row, verdict)));
-    json_object_set_new(o, "command", text(row->command));
-    json_object_set_new(o, "image_a", text(row->image_a));
-    json_object_set_new(o, "image_b", text(row->image_b));
-    FREED char *difference = NULL;
-    if (row->image_a && row->image_b)
-        status = iso_report_files_difference(r->out.temp_path, row->image_a, row->image_b, &difference, err);
-    if (status == ISO_OK)
-        status = insert_row(r, row->order, o, text(difference), err);
-    else
-        json_decref(o);
-    return status;
+    json_object_update_new(o, json_pack("{s:o, s:o, s:o, s:o, s:o}", "seconds",
+                                        row->seconds > 0 ? json_real(row->seconds) : json_null(), "why",
+                                        text(reason_of(row, verdict)), "command", text(row->command), "image_a",
+                                        text(row->image_a), "image_b", text(row->image_b)));
+    return insert_row(r, row->order, o, text(difference), err);
 }
 
 iso_status iso_report_add_consistency(iso_report *r, const iso_report_consistency *row, iso_error *err)
@@ -334,13 +371,12 @@ void iso_report_consistency_name(const json_t *row, char name[ISO_CONSISTENCY_NA
 
 iso_status iso_report_add_calibration(iso_report *r, const iso_report_calibration *row, iso_error *err)
 {
-    const iso_verdict verdict = row->not_asked                      ? ISO_VERDICT_NOT_COMPARED
+    const iso_verdict verdict = row->not_asked                   ? ISO_VERDICT_NOT_COMPARED
                                 : fabs(row->value) <= row->limit ? ISO_VERDICT_PASS
                                                                  : ISO_VERDICT_FAIL; /* NaN fails */
     json_t *o = json_pack("{s:o, s:o, s:o, s:o, s:o, s:s, s:o}", "renderer", text(row->renderer), "check",
                           text(row->check), "value", iso_json_number(row->value), "limit", iso_json_number(row->limit),
-                          "unit", text(row->unit), "verdict",
-                          iso_verdict_word(verdict), "detail", text(row->detail));
+                          "unit", text(row->unit), "verdict", iso_verdict_word(verdict), "detail", text(row->detail));
     return json_array_append_new(json_object_get(r->root, "calibration"), o) == 0 ? ISO_OK : no_memory(err);
 }
 
@@ -384,14 +420,11 @@ static iso_status sort_rows(iso_report *r, iso_error *err)
 {
     json_t *rows = json_object_get(r->root, "agreement"), *words = json_object_get(r->inlined, "words");
     size_t count = json_array_size(rows), i;
-    json_t **order = calloc(count + 1, sizeof *order), *row, *sorted = json_array();
-    if (!order || !sorted) {
-        free(order);
-        json_decref(sorted);
+    FREED json_t **order = calloc(count + 1, sizeof *order);
+    json_t *row, *sorted = json_array();
+    if (!order)
         return no_memory(err);
-    }
-    json_array_foreach(rows, i, row)
-    {
+    json_array_foreach (rows, i, row) {
         char name[ISO_ROW_NAME_BYTES];
         iso_row_words_of(row, name);
         json_array_append_new(words, json_string(name));
@@ -402,7 +435,6 @@ static iso_status sort_rows(iso_report *r, iso_error *err)
     for (i = 0; i < count; ++i)
         json_array_append(sorted, order[i]);
     json_object_set_new(r->root, "agreement", sorted);
-    free(order);
     return ISO_OK;
 }
 

@@ -32,11 +32,7 @@ iso_status iso_report_files_image(const char *dir, const char *name, const iso_i
                                   const iso_image_note *notes, char **uri, iso_error *err)
 {
     FREED char *exr = NULL, *png = NULL;
-    if (asprintf(&exr, "%s/images/%s.exr", dir, name) < 0)
-        exr = NULL;
-    if (asprintf(&png, "%s/images/%s.png", dir, name) < 0)
-        png = NULL;
-    if (!exr || !png)
+    if (asprintf(&exr, "%s/images/%s.exr", dir, name) < 0 || asprintf(&png, "%s/images/%s.png", dir, name) < 0)
         return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
     NEED(iso_image_save_exr(image, exr, notes, err));
     NEED(iso_image_save_png(image, png, 1, err));
@@ -45,23 +41,16 @@ iso_status iso_report_files_image(const char *dir, const char *name, const iso_i
 
 iso_status iso_report_files_difference(const char *dir, const char *a, const char *b, char **uri, iso_error *err)
 {
-    const char *const names[2] = {a, b};
-    iso_image images[2] = {{0}};
-    iso_status status = ISO_OK;
-    for (int i = 0; i < 2 && status == ISO_OK; ++i) {
-        FREED char *path = NULL;
-        if (asprintf(&path, "%s/images/%s.exr", dir, names[i]) < 0)
-            status = iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-        else
-            status = iso_image_load_exr(path, &images[i], err);
-    }
-    if (status == ISO_OK && (images[0].width != images[1].width || images[0].height != images[1].height))
-        status = iso_fail(err, ISO_E_RANGE, "report: the images %s and %s have %zux%zu and %zux%zu pixels", a, b,
-                          images[0].width, images[0].height, images[1].width, images[1].height);
-    TRY(status, iso_page_difference_uri(&images[0], &images[1], ISO_PAGE_FINE, uri, err));
-    iso_image_destroy(&images[0]);
-    iso_image_destroy(&images[1]);
-    return status;
+    OWNED(iso_image) image_a = {0}, image_b = {0};
+    FREED char *path_a = NULL, *path_b = NULL;
+    if (asprintf(&path_a, "%s/images/%s.exr", dir, a) < 0 || asprintf(&path_b, "%s/images/%s.exr", dir, b) < 0)
+        return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    NEED(iso_image_load_exr(path_a, &image_a, err));
+    NEED(iso_image_load_exr(path_b, &image_b, err));
+    if (image_a.width != image_b.width || image_a.height != image_b.height)
+        return iso_fail(err, ISO_E_RANGE, "report: the images %s and %s have %zux%zu and %zux%zu pixels", a, b,
+                        image_a.width, image_a.height, image_b.width, image_b.height);
+    return iso_page_difference_uri(&image_a, &image_b, ISO_PAGE_FINE, uri, err);
 }
 
 /* Writes a CSV field: comma becomes semicolon, quote apostrophe, since gnuplot's strcol() reads no quoted commas. */
@@ -80,8 +69,8 @@ static void put_agreement_csv(FILE *f, const json_t *rows)
         const json_t *limits = json_object_get(row, "limits");
         char label[400], name[ISO_ROW_NAME_BYTES];
         iso_row_name_of(row, name);
-        snprintf(label, sizeof label, "%s, level %lld: %s – %s", iso_row_text(row, "scene"),
-                 (long long)json_integer_value(json_object_get(row, "level")), iso_row_text(row, "a"), name);
+        snprintf(label, sizeof label, "%s, level %lld: %s – %s", iso_row_text(row, "scene"), iso_row_level(row),
+                 iso_row_text(row, "a"), name);
         put_field(f, label);
         fprintf(f, ",%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", iso_row_number(row, "rmse"), iso_row_number(limits, "rmse"),
                 iso_row_number(row, "max_abs"), iso_row_number(limits, "max_abs"), iso_row_number(row, "error_bar"),
@@ -93,8 +82,7 @@ static void put_consistency_line(FILE *f, const json_t *row)
 {
     const bool adapted = strcmp(iso_row_text(row, "tf"), "adapted") == 0;
     put_field(f, iso_row_text(row, "method"));
-    fprintf(f, ",%lld,%lld,%.9g,%.9g,%.9g,%.9g,%s,%d,%.9g\n",
-            (long long)json_integer_value(json_object_get(row, "level")),
+    fprintf(f, ",%lld,%lld,%.9g,%.9g,%.9g,%.9g,%s,%d,%.9g\n", iso_row_level(row),
             (long long)json_integer_value(json_object_get(row, "views")),
             iso_row_number(row, "ssim_dissimilarity_mean"), iso_row_number(row, "flip_mean"),
             iso_row_number(row, "gradient_angle_mean_deg"), iso_row_number(row, "gradient_angle_p95_deg"),
@@ -135,25 +123,19 @@ typedef struct chart_kind {
 static iso_status make_chart(const char *charts, const chart_kind *kind, const json_t *rows, json_t *inlined,
                              iso_error *err)
 {
-    char *csv = NULL, *svg = NULL, *uri = NULL;
+    FREED char *csv = NULL, *svg = NULL, *uri = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&csv, &size);
     if (!f)
         return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
     kind->put_csv(f, rows);
     fclose(f);
-    iso_status status = iso_gnuplot_draw(charts, kind->name, csv, kind->script, "svg", err);
-    free(csv);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_gnuplot_draw(charts, kind->name, csv, kind->script, "svg", err));
     if (asprintf(&svg, "%s/%s.svg", charts, kind->name) < 0)
         return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-    status = iso_page_file_uri(svg, "image/svg+xml", &uri, err);
-    if (status == ISO_OK)
-        json_object_set_new(inlined, kind->name, json_string(uri));
-    free(uri);
-    free(svg);
-    return status;
+    NEED(iso_page_file_uri(svg, "image/svg+xml", &uri, err));
+    json_object_set_new(inlined, kind->name, json_string(uri));
+    return ISO_OK;
 }
 
 iso_status iso_report_files_charts(const char *dir, const json_t *root, json_t *inlined, iso_error *err)

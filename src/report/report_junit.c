@@ -13,6 +13,8 @@
 #include "report/report_files.h"
 #include "report/sections.h"
 
+#define FILL(f, ...) iso_markup_fill(f, iso_markup_put, __VA_ARGS__)
+
 static bool has_verdict(const json_t *row, iso_verdict verdict)
 {
     return iso_row_verdict(row) == verdict;
@@ -22,9 +24,8 @@ static bool has_verdict(const json_t *row, iso_verdict verdict)
 static void put_case(FILE *f, const char *class, const char *of, const json_t *row)
 {
     double seconds = iso_row_number(row, "seconds");
-    fprintf(f, "    <testcase classname=\"%s.", class);
-    iso_markup_put(f, of);
-    fprintf(f, "\" time=\"%.3f\" name=\"", seconds > 0 ? seconds : 0);
+    FILL(f, "    <testcase classname=\"%.%\"", class, of);
+    fprintf(f, " time=\"%.3f\" name=\"", seconds > 0 ? seconds : 0);
 }
 
 /* Writes `NAME 0.02, at most 0.01; ` if a limit is exceeded, or the value is NaN. */
@@ -48,10 +49,8 @@ static void put_why_it_differs(FILE *f, const json_t *row)
     if (json_integer_value(json_object_get(row, "nonfinite_count")) > 0)
         fprintf(f, "%lld pixels are not finite; ",
                 (long long)json_integer_value(json_object_get(row, "nonfinite_count")));
-    json_object_foreach ((json_t *)limits, key, limit) {
-        const bool ssim = strcmp(key, "ssim_dissimilarity") == 0;
-        put_unheld(f, key, ssim ? 1 - iso_row_number(row, "ssim") : iso_row_number(row, key), json_number_value(limit));
-    }
+    json_object_foreach ((json_t *)limits, key, limit)
+        put_unheld(f, key, iso_row_metric(row, key), json_number_value(limit));
     json_array_foreach (gates, i, gate)
         put_unheld(f, iso_row_text(gate, "name"), iso_row_number(gate, "value"), iso_row_number(gate, "limit"));
     if (json_object_size(limits) == 0 && json_array_size(gates) == 0)
@@ -63,38 +62,29 @@ static void put_case_agreement(FILE *f, const json_t *root, const json_t *row)
 {
     (void)root;
     char name[ISO_ROW_NAME_BYTES];
+    const char *tier = iso_row_text(row, "tier");
     iso_row_name_of(row, name);
     put_case(f, "agreement", iso_row_text(row, "scene"), row);
-    fprintf(f, "level %lld: ", (long long)json_integer_value(json_object_get(row, "level")));
-    iso_markup_put(f, iso_row_text(row, "a"));
-    fputs(" against ", f);
-    iso_markup_put(f, name);
-    if (iso_row_text(row, "tier")[0]) {
-        fputs(", ", f);
-        iso_markup_put(f, iso_row_text(row, "tier"));
-    }
+    fprintf(f, "level %lld: ", iso_row_level(row));
+    FILL(f, "% against %%%", iso_row_text(row, "a"), name, tier[0] ? ", " : "", tier);
     if (has_verdict(row, ISO_VERDICT_AGREE)) {
         fputs("\"/>\n", f);
-        return;
-    }
-    if (has_verdict(row, ISO_VERDICT_DIFFER)) {
+    } else if (has_verdict(row, ISO_VERDICT_DIFFER)) {
         fputs("\">\n      <failure type=\"differ\" message=\"", f);
         put_why_it_differs(f, row);
-        fputs("\">", f);
-        iso_markup_put(f, iso_row_text(row, "command"));
-        fputs("</failure>\n    </testcase>\n", f);
-        return;
+        FILL(f, "\">%</failure>\n    </testcase>\n", iso_row_text(row, "command"));
+    } else {
+        FILL(f, "\">\n      <skipped message=\"%: %\"/>\n    </testcase>\n", iso_row_text(row, "verdict"),
+             iso_row_text(row, "why"));
     }
-    fprintf(f, "\">\n      <skipped message=\"%s: ", iso_row_text(row, "verdict"));
-    iso_markup_put(f, iso_row_text(row, "why"));
-    fputs("\"/>\n    </testcase>\n", f);
 }
 
 /* Writes a calibration, with the mistake that explains a failure. A missing renderer is an error; its rows are
  * skipped. */
 static void put_case_calibration(FILE *f, const json_t *root, const json_t *row)
 {
-    const char *mistake = iso_row_text(json_object_get(root, "mistakes"), iso_row_text(row, "renderer"));
+    const char *mistake = iso_row_text(json_object_get(root, "mistakes"), iso_row_text(row, "renderer")),
+               *detail = iso_row_text(row, "detail");
     const bool measured = json_is_number(json_object_get(row, "value"));
     put_case(f, "calibration", iso_row_text(row, "renderer"), row);
     iso_markup_put(f, iso_row_text(row, "check"));
@@ -103,9 +93,7 @@ static void put_case_calibration(FILE *f, const json_t *root, const json_t *row)
         return;
     }
     if (has_verdict(row, ISO_VERDICT_NOT_COMPARED)) {
-        fputs("\">\n      <skipped message=\"", f);
-        iso_markup_put(f, iso_row_text(row, "detail"));
-        fputs("\"/>\n    </testcase>\n", f);
+        FILL(f, "\">\n      <skipped message=\"%\"/>\n    </testcase>\n", detail);
         return;
     }
     if (measured)
@@ -113,24 +101,14 @@ static void put_case_calibration(FILE *f, const json_t *root, const json_t *row)
                 iso_row_number(row, "value"), iso_row_text(row, "unit"), iso_row_number(row, "limit"));
     else
         fputs("\">\n      <error type=\"calibration\" message=\"nothing was measured\">", f);
-    if (mistake[0]) {
-        fputs("The renderer draws ", f);
-        iso_markup_put(f, mistake);
-        fputs(". ", f);
-    }
-    iso_markup_put(f, iso_row_text(row, "detail"));
+    FILL(f, "%%%%", mistake[0] ? "The renderer draws " : "", mistake, mistake[0] ? ". " : "", detail);
     fprintf(f, "</%s>\n    </testcase>\n", measured ? "failure" : "error");
 }
 
 static void put_property(FILE *f, const char *name, const char *value)
 {
-    if (!name[0] || !value)
-        return;
-    fputs("      <property name=\"", f);
-    iso_markup_put(f, name);
-    fputs("\" value=\"", f);
-    iso_markup_put(f, value);
-    fputs("\"/>\n", f);
+    if (name[0] && value)
+        FILL(f, "      <property name=\"%\" value=\"%\"/>\n", name, value);
 }
 
 /* Writes the distance of a level from level 0 as facts: it has no limits. */
@@ -142,8 +120,7 @@ static void put_facts_consistency(FILE *f, const json_t *row)
     iso_report_consistency_name(row, of);
     for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
         const json_t *value = json_object_get(row, keys[i]);
-        snprintf(name, sizeof name, "level %lld: %s: %s", (long long)json_integer_value(json_object_get(row, "level")),
-                 of, keys[i]);
+        snprintf(name, sizeof name, "level %lld: %s: %s", iso_row_level(row), of, keys[i]);
         snprintf(figure, sizeof figure, "%.6g", json_number_value(value));
         put_property(f, name, json_is_number(value) ? figure : json_string_value(value));
     }
@@ -171,7 +148,7 @@ static void put_case_levels(FILE *f, const json_t *root, const json_t *row)
     json_t *figure;
     size_t i;
     put_case(f, "levels", iso_row_text(row, "method"), row);
-    fprintf(f, "level %lld against level 0", (long long)json_integer_value(json_object_get(row, "level")));
+    fprintf(f, "level %lld against level 0", iso_row_level(row));
     if (has_verdict(row, ISO_VERDICT_AGREE)) {
         fputs("\"/>\n", f);
         return;
@@ -223,14 +200,11 @@ enum { SUITES = sizeof suites / sizeof *suites, ALWAYS = 2 }; /* readers expect 
 
 static void put_open_case(FILE *f, const char *scene, const char *renderer)
 {
-    fputs("    <testcase classname=\"agreement.", f);
-    iso_markup_put(f, scene);
-    fputs("\" time=\"0.000\" name=\"something is compared", f);
-    iso_markup_put(f, renderer ? " of " : "");
-    iso_markup_put(f, renderer);
-    fputs("\">\n      <failure type=\"not compared\" message=\"nothing was compared, so nothing is shown to agree\"/>\n"
-          "    </testcase>\n",
-          f);
+    FILL(f,
+         "    <testcase classname=\"agreement.%\" time=\"0.000\" name=\"something is compared%%\">\n"
+         "      <failure type=\"not compared\" message=\"nothing was compared, so nothing is shown to agree\"/>\n"
+         "    </testcase>\n",
+         scene, renderer ? " of " : "", renderer);
 }
 
 /* Writes the unanswered comparisons (iso_rows_unanswered()), and counts them. f: NULL to count only. */

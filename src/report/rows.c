@@ -138,10 +138,37 @@ const char *iso_row_text(const json_t *row, const char *key)
     return s ? s : "";
 }
 
+long long iso_row_level(const json_t *row)
+{
+    return (long long)json_integer_value(json_object_get(row, "level"));
+}
+
 double iso_row_number(const json_t *row, const char *key)
 {
     const json_t *value = json_object_get(row, key);
     return json_is_number(value) ? json_number_value(value) : NAN;
+}
+
+double iso_row_metric(const json_t *row, const char *limit)
+{
+    return strcmp(limit, "ssim_dissimilarity") == 0 ? 1 - iso_row_number(row, "ssim") : iso_row_number(row, limit);
+}
+
+json_t *iso_tolerances_to_json(const iso_tolerances *l)
+{
+    const struct {
+        const char *key;
+        double value;
+    } all[] = {
+        {"rmse", l->rmse},           {"max_abs", l->max_abs},
+        {"p99_abs", l->p99_abs},     {"ssim_dissimilarity", l->ssim_dissimilarity},
+        {"flip_mean", l->flip_mean},
+    };
+    json_t *object = json_object();
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        if (all[i].value > 0)
+            json_object_set_new(object, all[i].key, json_real(all[i].value));
+    return object;
 }
 
 static iso_comparison comparison_from(const char *word)

@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "base/json.h"
+#include "compare/metrics.h"
 
 /* Verdict of a row: enum, word in report.json, uncertainty. A less certain verdict is worse, even if no error is
  * known: baselines compare it, and the page lists the worst first. */
@@ -103,3 +104,8 @@ void iso_row_words_of(const json_t *row, char words[ISO_ROW_NAME_BYTES]);
 /* Returns a value of a row; "" and NaN if there is none; gnuplot leaves NaN out. */
 const char *iso_row_text(const json_t *row, const char *key);
 double iso_row_number(const json_t *row, const char *key);
+long long iso_row_level(const json_t *row); /* 0 if it has none */
+/* Returns the value that a limit of this name applies to. */
+double iso_row_metric(const json_t *row, const char *limit);
+/* Returns the limits that are set: {"rmse", "max_abs", "p99_abs", "ssim_dissimilarity", "flip_mean"}. */
+json_t *iso_tolerances_to_json(const iso_tolerances *limits);

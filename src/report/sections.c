@@ -92,12 +92,12 @@ iso_status iso_report_load(const char *path, json_t **report, iso_error *err)
 {
     const bool is_dir = iso_path_is_dir(path);
     FREED char *file = is_dir ? iso_path_join(path, "report.json") : strdup(path);
-    iso_status status = file ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
-    if (is_dir && file && !iso_path_exists(file))
-        status = iso_fail(err, ISO_E_IO, "%s: holds no report.json; needs a folder of isoshade validate -o", path);
-    TRY(status, iso_json_load(file, report, err));
-    TRY(status, iso_report_check(*report, file, err));
-    return status;
+    if (!file)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+    if (is_dir && !iso_path_exists(file))
+        return iso_fail(err, ISO_E_IO, "%s: holds no report.json; needs a folder of isoshade validate -o", path);
+    NEED(iso_json_load(file, report, err));
+    return iso_report_check(*report, file, err);
 }
 
 iso_status iso_report_source_open(iso_report_source *source, const char *path, iso_error *err)
@@ -115,8 +115,7 @@ void iso_report_source_close(iso_report_source *source)
 bool iso_report_source_has_pictures(const iso_report_source *source)
 {
     FREED char *images = source->dir ? iso_path_join(source->dir, "images") : NULL;
-    const bool there = images && iso_path_is_dir(images);
-    return there;
+    return images && iso_path_is_dir(images);
 }
 
 char *iso_report_source_picture(const iso_report_source *source, const char *name, const char *suffix)
