@@ -184,6 +184,7 @@ static iso_status need_look(iso_chart_bench *b, const iso_chart_case *c, iso_err
 {
     iso_chart_scene *s = &b->scenes[c->scene];
     iso_view *look = look_of(b, c);
+    OWNED(iso_view) made = {0};
     iso_cli_adapted adapted = ISO_CLI_ADAPTED_DEFAULTS;
     char second[16];
     snprintf(second, sizeof second, "%s", iso_chart_name_tf(c));
@@ -191,12 +192,12 @@ static iso_status need_look(iso_chart_bench *b, const iso_chart_case *c, iso_err
     adapted.tf_2d = c->second != ISO_SECOND_VALUE_NONE ? second : NULL;
     if (c->plan_error > 0 || look->tf.entries)
         return ISO_OK;
-    iso_status status = iso_scene_resolve(&s->scene, &b->first.levels[0].geometry, iso_pyramid_lo(&b->first),
-                                          iso_pyramid_hi(&b->first), look, err);
-    TRY(status, iso_cli_adapt_view(&adapted, "", &b->first, c->level, look, b->threads, err));
-    if (status != ISO_OK)
-        iso_view_destroy(look);
-    return status;
+    NEED(iso_scene_resolve(&s->scene, &b->first.levels[0].geometry, iso_pyramid_lo(&b->first),
+                           iso_pyramid_hi(&b->first), &made, err));
+    NEED(iso_cli_adapt_view(&adapted, "", &b->first, c->level, &made, b->threads, err));
+    *look = made;
+    made = (iso_view){0};
+    return ISO_OK;
 }
 
 /* Allows two swaps only: a chart has no time for the last percent. */
@@ -401,25 +402,22 @@ static iso_status compare(iso_chart_bench *b, iso_chart_case *c, const iso_image
 
 iso_status iso_chart_bench_measure(iso_chart_bench *b, iso_chart_case *c, iso_error *err)
 {
-    iso_image image;
-    iso_status status = render(b, c, &image, err);
-    TRY(status, compare(b, c, &image, !b->hasty || b->needs_visual, err));
-    if (status == ISO_OK)
-        c->picture = iso_chart_picture(&image);
-    iso_image_destroy(&image);
-    c->done = status == ISO_OK;
-    return status;
+    OWNED(iso_image) image = {0};
+    c->done = false;
+    NEED(render(b, c, &image, err));
+    NEED(compare(b, c, &image, !b->hasty || b->needs_visual, err));
+    c->picture = iso_chart_picture(&image);
+    c->done = true;
+    return ISO_OK;
 }
 
 iso_status iso_chart_bench_time_again(iso_chart_bench *b, iso_chart_case *c, iso_error *err)
 {
     iso_chart_case again = *c;
-    iso_image image;
-    iso_status status = render(b, &again, &image, err);
-    if (status == ISO_OK && !isfinite(c->metrics.ssim) && c->metrics.nonfinite_count == 0)
-        status = compare(b, c, &image, true, err);
-    iso_image_destroy(&image);
-    if (status == ISO_OK)
-        iso_render_stats_add(&c->took, &again.took);
-    return status;
+    OWNED(iso_image) image = {0};
+    NEED(render(b, &again, &image, err));
+    if (!isfinite(c->metrics.ssim) && c->metrics.nonfinite_count == 0)
+        NEED(compare(b, c, &image, true, err));
+    iso_render_stats_add(&c->took, &again.took);
+    return ISO_OK;
 }

@@ -113,12 +113,12 @@ static iso_status take_tf(const char *word, bool *flags, iso_error *err)
 static iso_status parse_list(const char *list, iso_status (*take)(const char *, bool *, iso_error *), bool *flags,
                              iso_error *err)
 {
-    char *copy = strdup(list), *rest = copy;
-    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    for (char *word; status == ISO_OK && (word = strsep(&rest, ","));)
-        status = take(word, flags, err);
-    free(copy);
-    return status;
+    FREED char *copy = strdup(list);
+    if (!copy)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *word, *rest = copy; (word = strsep(&rest, ","));)
+        NEED(take(word, flags, err));
+    return ISO_OK;
 }
 
 /* Copies the first word of a list that has been parsed. */

@@ -14,9 +14,9 @@
 static const char lines_name[] = "settings.jsonl", part_name[] = ".part.exr", schema[] = "isoshade.chart-settings/2";
 
 /* Names of all files that a chart's folder may hold (result.h), finished or not. */
-static const char *const own_names[] = {
-    "chart.json", lines_name, part_name,       "reference.exr", "reference-*.exr", "palette-*.csv",
-    "pareto.*",   "style.gp", "viewer-*.html", "index.html",    NULL};
+static const char *const own_names[] = {"chart.json",      lines_name,      part_name,  "reference.exr",
+                                        "reference-*.exr", "palette-*.csv", "pareto.*", "style.gp",
+                                        "viewer-*.html",   "index.html",    NULL};
 
 void iso_chart_reference_name(const iso_chart_bench *b, size_t scene, char *text, size_t size)
 {
@@ -138,8 +138,8 @@ static int by_text(const void *a, const void *b)
     return strcmp(((const case_key *)a)->text, ((const case_key *)b)->text);
 }
 
-static iso_status take_lines(const iso_chart_kept_file *k, const iso_chart_bench *b, iso_chart_case *cases, size_t count,
-                             iso_error *err)
+static iso_status take_lines(const iso_chart_kept_file *k, const iso_chart_bench *b, iso_chart_case *cases,
+                             size_t count, iso_error *err)
 {
     case_key wanted;
     FREED case_key *keys = malloc((count + 1) * sizeof *keys);
@@ -189,12 +189,12 @@ static iso_status copy_file(const char *from, const char *to, const char *name, 
 {
     FREED char *source = iso_path_join(from, name), *target = iso_path_join(to, name), *bytes = NULL;
     size_t size = 0;
-    iso_status status = source && target ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    if (status == ISO_OK && iso_path_exists(source)) {
-        status = iso_file_read(source, &bytes, &size, err);
-        TRY(status, iso_file_write(target, bytes, size, err));
-    }
-    return status;
+    if (!source || !target)
+        return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    if (!iso_path_exists(source))
+        return ISO_OK;
+    NEED(iso_file_read(source, &bytes, &size, err));
+    return iso_file_write(target, bytes, size, err);
 }
 
 /* Copies the files of a finished chart, if there is no interrupted one. */
@@ -235,44 +235,39 @@ iso_status iso_chart_kept_open(iso_chart_kept_file *k, const char *folder, bool 
 {
     *k = (iso_chart_kept_file){.lines = NULL};
     bool partial = false;
-    json_t *head = NULL, *found = NULL;
-    iso_status status = complete_key(key, b, err);
-    if (status == ISO_OK && !(head = head_json(key, b)))
-        status = iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    TRY(status, iso_output_resume_dir(&k->output, folder, own_names, resume, &partial, err));
-    if (status == ISO_OK && resume && !partial)
-        status = copy_finished(k, b, err);
-    if (status == ISO_OK && resume) {
+    json_auto_t *head = NULL, *found = NULL;
+    NEED(complete_key(key, b, err));
+    if (!(head = head_json(key, b)))
+        return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    NEED(iso_output_resume_dir(&k->output, folder, own_names, resume, &partial, err));
+    if (resume && !partial)
+        NEED(copy_finished(k, b, err));
+    if (resume) {
         found = read_head(k->output.temp_path);
-        status = check_key(folder, found, key, b, &k->resumed, err);
-        if (status != ISO_OK) { /* keeps the existing chart; only the copy of a finished one goes */
-            if (partial)
-                iso_output_keep(&k->output);
-            else
-                iso_output_abandon(&k->output);
-        }
+        const iso_status status = check_key(folder, found, key, b, &k->resumed, err);
+        if (status != ISO_OK && partial) /* keeps the existing chart; only the copy of a finished one goes */
+            iso_output_keep(&k->output);
+        else if (status != ISO_OK)
+            iso_output_abandon(&k->output);
+        NEED(status);
     }
-    TRY(status, begin_lines(k, head, err));
-    json_decref(found);
-    json_decref(head);
-    return status;
+    return begin_lines(k, head, err);
 }
 
 iso_status iso_chart_kept_take(iso_chart_kept_file *k, iso_chart_bench *b, iso_chart_case *cases, size_t count,
                                iso_error *err)
 {
-    iso_status status = ISO_OK;
     if (!k->resumed)
         return ISO_OK;
-    for (size_t i = 0; i < b->scene_count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < b->scene_count; ++i) {
         char name[192];
         iso_chart_reference_name(b, i, name, sizeof name);
         FREED char *path = iso_path_join(k->output.temp_path, name);
         if (path && iso_path_exists(path))
-            status = iso_image_load_exr(path, &b->scenes[i].reference, err);
+            NEED(iso_image_load_exr(path, &b->scenes[i].reference, err));
     }
     rewind(k->lines);
-    TRY(status, take_lines(k, b, cases, count, err));
+    NEED(take_lines(k, b, cases, count, err));
     fseek(k->lines, 0, SEEK_END);
     /* drop settings of a scene without its reference, and those that lack a metric which this run shows */
     for (size_t i = 0; i < count; ++i) {
@@ -282,7 +277,7 @@ iso_status iso_chart_kept_take(iso_chart_kept_file *k, iso_chart_bench *b, iso_c
         if (cases[i].done)
             iso_chart_bench_learn(b, &cases[i]);
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_chart_kept_put_reference(iso_chart_kept_file *k, const iso_chart_bench *b, size_t scene, iso_error *err)

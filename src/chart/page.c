@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "chart/page.h"
+#include "chart/result.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -94,8 +94,9 @@ static json_t *colors_json(void)
 
 iso_status iso_chart_page_write(const iso_chart_result *r, const char *folder, const json_t *json, iso_error *err)
 {
-    char sentence[512], *path = iso_path_join(folder, "index.html");
-    json_t *data = json_copy((json_t *)json), *inlined = NULL; /* shallow */
+    char sentence[512];
+    FREED char *path = iso_path_join(folder, "index.html");
+    json_auto_t *data = json_copy((json_t *)json); /* shallow */
     const json_t *settings = json_object_get(json, "cases");
     sentence_of(r, sentence, sizeof sentence);
     json_object_update_new(data,
@@ -112,11 +113,7 @@ iso_status iso_chart_page_write(const iso_chart_result *r, const char *folder, c
                                                  iso_chart_bytes_of(c, r->bytes)));
     }
     json_object_set_new(data, "figures", figures); /* parallel to the cases */
-    inlined = json_pack("{s:o, s:o}", "pictures", pictures_json(r), "references", references_json(r));
-    iso_status status = path && inlined ? iso_page_write(path, &chart_page, data, inlined, err)
-                                        : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    json_decref(data);
-    json_decref(inlined);
-    free(path);
-    return status;
+    json_auto_t *inlined = json_pack("{s:o, s:o}", "pictures", pictures_json(r), "references", references_json(r));
+    return path && inlined ? iso_page_write(path, &chart_page, data, inlined, err)
+                           : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
 }

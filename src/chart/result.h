@@ -37,20 +37,20 @@ typedef struct iso_chart_result {
     size_t count, done_count; /* measured ones come first */
     iso_chart_metric metric;
     iso_chart_bytes bytes;
-    double want;                          /* 0: none */
+    double want; /* 0: none */
     /* Indices of cases, of the first scene if there are several; done_count: none. fastest, smallest: among settings
      * within the wanted error in each scene, by the worst scene. */
     size_t fastest, smallest;
-    size_t best;                          /* smallest error in its worst scene */
-    double budget_seconds, spent_seconds; /* budget 0: none; spent in this run */
-    size_t kept_count;                    /* settings measured in an earlier run */
+    size_t best;                             /* smallest error in its worst scene */
+    double budget_seconds, spent_seconds;    /* budget 0: none; spent in this run */
+    size_t kept_count;                       /* settings measured in an earlier run */
     const char *looks[ISO_CHART_MAX_SCENES]; /* options of a scene's view, for command lines */
     const char *output, *style;
     char viewers[ISO_CHART_MAX_SCENES][160];       /* pages of the viewer next to the chart; or empty */
     iso_chart_version versions[ISO_MAX_RENDERERS]; /* empty: not used */
     char left_out[ISO_MAX_RENDERERS][320];         /* reason why a renderer was left out; or empty */
-    size_t refused_count;                  /* settings that could not be rendered */
-    char refusal[320];                     /* reason of the first one */
+    size_t refused_count;                          /* settings that could not be rendered */
+    char refusal[320];                             /* reason of the first one */
 } iso_chart_result;
 
 /* A setting on a front is named if its error is at most this part of the last named one's, from the largest error down.
@@ -82,6 +82,11 @@ char *iso_chart_command(const iso_chart_result *r, const iso_chart_case *c);
 char *iso_chart_compare_command(const iso_chart_result *r, size_t scene);
 
 json_t *iso_chart_result_json(const iso_chart_result *r);
+/* Returns an object whose keys are the values of the axes that the chart had no time for: "level 2", "step 0.5". */
+json_t *iso_chart_untried(const iso_chart_result *r);
 /* Writes the files to `folder`, which becomes r->output. */
 iso_status iso_chart_result_write(const iso_chart_result *r, const char *folder, const json_t *json, iso_error *err);
 void iso_chart_result_print(const iso_chart_result *r);
+/* Writes DIR/index.html: the chart as a page without network or other files. Pointing at a setting, or selecting it by
+ * keys, shows its picture, figures and command. json: from iso_chart_result_json(). */
+iso_status iso_chart_page_write(const iso_chart_result *r, const char *folder, const json_t *json, iso_error *err);

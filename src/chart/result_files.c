@@ -3,7 +3,6 @@
 #define _GNU_SOURCE
 #include "chart/result.h"
 #include "chart/kept.h"
-#include "chart/page.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -113,14 +112,11 @@ static iso_status write_images(const iso_chart_result *r, const char *dir, iso_e
 iso_status iso_chart_result_write(const iso_chart_result *r, const char *folder, const json_t *json, iso_error *err)
 {
     FREED char *csv = result_csv(r), *path = iso_path_join(folder, "chart.json");
-    iso_status status = csv && path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
-    TRY(status, iso_json_save(path, json, err));
-    TRY(status, write_images(r, folder, err));
-    TRY(status, iso_chart_page_write(r, folder, json, err));
-    if (status == ISO_OK && r->style)
-        status = iso_gnuplot_use_style(r->style, folder, err);
-    const char *const formats[] = {"svg", "pdf"};
-    for (size_t i = 0; i < 2 && status == ISO_OK; ++i)
-        status = iso_gnuplot_draw(folder, "pareto", csv, iso_pareto_gp, formats[i], err);
-    return status;
+    NEED(csv && path ? iso_json_save(path, json, err) : iso_fail(err, ISO_E_MEMORY, "chart: out of memory"));
+    NEED(write_images(r, folder, err));
+    NEED(iso_chart_page_write(r, folder, json, err));
+    if (r->style)
+        NEED(iso_gnuplot_use_style(r->style, folder, err));
+    NEED(iso_gnuplot_draw(folder, "pareto", csv, iso_pareto_gp, "svg", err));
+    return iso_gnuplot_draw(folder, "pareto", csv, iso_pareto_gp, "pdf", err);
 }

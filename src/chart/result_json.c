@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* result_json.c - the result of a chart as JSON. */
-#include "chart/untried.h"
-
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "base/machine.h"
 #include "base/provenance.h"
 #include "base/version.h"
 #include "chart/kept.h"
+#include "chart/result.h"
 
 static json_t *case_json(const iso_chart_result *r, const iso_chart_case *c)
 {
@@ -69,9 +69,10 @@ static json_t *scenes_json(const iso_chart_result *r)
         const iso_chart_scene *s = &r->bench->scenes[i];
         char reference[192];
         iso_chart_reference_name(r->bench, i, reference, sizeof reference);
-        json_t *o = json_pack("{s:s, s:s, s:[I,I], s:s, s:f, s:f}", "name", s->name, "scene", iso_chart_scene_title(r, i),
-                              "image", (json_int_t)s->view.width, (json_int_t)s->view.height, "reference", reference,
-                              "reference_tolerance", s->reference_tolerance, "reference_seconds", s->reference_seconds);
+        json_t *o = json_pack("{s:s, s:s, s:[I,I], s:s, s:f, s:f}", "name", s->name, "scene",
+                              iso_chart_scene_title(r, i), "image", (json_int_t)s->view.width,
+                              (json_int_t)s->view.height, "reference", reference, "reference_tolerance",
+                              s->reference_tolerance, "reference_seconds", s->reference_seconds);
         if (r->viewers[i][0])
             json_object_set_new(o, "viewer", json_string(r->viewers[i]));
         json_array_append_new(list, o);
@@ -79,12 +80,43 @@ static json_t *scenes_json(const iso_chart_result *r)
     return list;
 }
 
+/* Adds a setting's values on the axes as keys, "level 2", "step 0.5", unless `without` has them. */
+static void add_values(const iso_chart_case *c, const json_t *without, json_t *to)
+{
+    enum { MOST = 64 };
+    char values[6][96];
+    iso_chart_describe_series(c, values[0], sizeof *values);
+    snprintf(values[1], sizeof *values, "level %zu", c->level);
+    snprintf(values[2], sizeof *values, "step %g", c->step_voxels);
+    snprintf(values[3], sizeof *values, "filter %s", iso_direction_filter_name(c->filter));
+    snprintf(values[4], sizeof *values, "estimator %s", iso_gradient_name(c->estimator));
+    snprintf(values[5], sizeof *values, "%s%s",
+             c->preintegrated ? "pre-integration"
+             : c->level > 0   ? "TF "
+                              : "midpoints",
+             !c->preintegrated && c->level > 0 ? iso_chart_name_tf(c) : "");
+    for (size_t i = 0; i < 6; ++i)
+        if (json_object_size(to) < MOST && !json_object_get(without, values[i]))
+            json_object_set_new(to, values[i], json_true());
+}
+
+json_t *iso_chart_untried(const iso_chart_result *r)
+{
+    json_auto_t *tried = json_object();
+    json_t *untried = json_object();
+    for (size_t i = 0; i < r->count; ++i)
+        add_values(&r->cases[i], i < r->done_count ? NULL : tried, i < r->done_count ? tried : untried);
+    return untried;
+}
+
 json_t *iso_chart_result_json(const iso_chart_result *r)
 {
     json_t *root = json_pack("{s:s, s:s}", "schema", "isoshade.chart/2", "command", r->command_line),
            *cases = json_array(), *names = json_array();
     const iso_chart_scene *first = &r->bench->scenes[0];
-    iso_chart_tags *untried;
+    json_auto_t *untried = iso_chart_untried(r);
+    const char *value;
+    json_t *unused;
     json_object_set_new(root, "options",
                         json_pack("{s:s, s:s, s:s, s:s, s:s, s:f, s:[I,I]}", "volume",
                                   iso_provenance_name(r->bench->path), "scene", iso_chart_scene_title(r, 0), "metric",
@@ -101,10 +133,8 @@ json_t *iso_chart_result_json(const iso_chart_result *r)
     json_object_set_new(root, "skipped_count", json_integer((json_int_t)(r->count - r->done_count - r->refused_count)));
     json_object_set_new(root, "refused_count", json_integer((json_int_t)r->refused_count));
     json_object_set_new(root, "left_out", strings_json(r->left_out));
-    if (iso_chart_find_untried(r, &untried) == ISO_OK)
-        for (size_t i = 0; i < untried->count; ++i)
-            json_array_append_new(names, json_string(untried->tags[i]));
-    iso_chart_free_untried(untried);
+    json_object_foreach (untried, value, unused)
+        json_array_append_new(names, json_string(value));
     json_object_set_new(root, "untried", names);
     if (r->want > 0)
         json_object_set_new(root, "want", want_json(r));

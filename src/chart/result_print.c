@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* result_print.c - the result of a chart as lines of text. */
-#include "chart/untried.h"
+#include "chart/result.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -43,7 +43,9 @@ static void print_want(const iso_chart_result *r)
 
 static void print_skipped(const iso_chart_result *r)
 {
-    iso_chart_tags *untried;
+    json_auto_t *untried = iso_chart_untried(r);
+    const char *value, *before = "; none measured with: ";
+    json_t *unused;
     const size_t skipped = r->count - r->done_count - r->refused_count;
     if (r->bench->scene_count > 1 && skipped > 0)
         printf("settings are counted once for each of the %zu scenes\n", r->bench->scene_count);
@@ -58,12 +60,10 @@ static void print_skipped(const iso_chart_result *r)
         printf("%zu of %zu settings did not fit into %g s", skipped, r->count, r->budget_seconds);
     else
         printf("%zu of %zu settings are of renderers that were left out", skipped, r->count);
-    if (iso_chart_find_untried(r, &untried) == ISO_OK && untried->count > 0) {
-        printf("; none measured with: ");
-        for (size_t i = 0; i < untried->count; ++i)
-            printf("%s%s", i ? ", " : "", untried->tags[i]);
+    json_object_foreach (untried, value, unused) {
+        printf("%s%s", before, value);
+        before = ", ";
     }
-    iso_chart_free_untried(untried);
     putchar('\n');
 }
 
