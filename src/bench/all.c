@@ -1,21 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /* all.c - measures all headline figures in one run, repeated, against their peers and against another program. */
 #define _GNU_SOURCE
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/embed.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "base/machine.h"
 #include "base/order.h"
 #include "base/parallel.h"
 #include "base/process.h"
-#include "bench/all_page.h"
+#include "base/status.h"
 #include "bench/bench.h"
 #include "bench/headlines.h"
+#include "report/page.h"
 
 enum { MOST_REPEATS = 99, MOST_WORDS = 64, OURS = 0, OTHER = 1 };
 
@@ -252,6 +255,37 @@ static void print_all(const all_bench *b, const json_t *ours)
     }
 }
 
+ISO_EMBED(iso_bench_all_html, "src/bench/all.html");
+ISO_EMBED(iso_bench_all_css, "src/bench/all.css");
+ISO_EMBED(iso_bench_all_js, "src/bench/all.js");
+
+static const iso_page page_of_all = {"isoshade bench all", iso_bench_all_html, {iso_bench_all_js}, iso_bench_all_css};
+
+static json_t *sentence_of(const json_t *answer)
+{
+    size_t i, met = 0, judged = 0, missing = 0;
+    const json_t *row;
+    json_array_foreach (json_object_get(answer, "headlines"), i, row) {
+        const json_t *verdict = json_object_get(row, "met");
+        met += json_is_true(verdict);
+        judged += json_is_boolean(verdict);
+        missing += json_is_null(json_object_get(row, "median"));
+    }
+    if (judged == 0)
+        return json_string("Measured on small data, so no bars apply");
+    return json_sprintf("%zu of %zu bars are met%s", met, judged,
+                        missing ? "; some figures could not be measured" : "");
+}
+
+static iso_status write_page(const char *path, const json_t *answer, iso_error *err)
+{
+    json_auto_t *data = json_copy((json_t *)answer), *nothing = json_object();
+    json_object_set_new(data, "title", json_string("Speed and memory"));
+    json_object_set_new(data, "sentence", sentence_of(answer));
+    return data && nothing ? iso_page_write(path, &page_of_all, data, nothing, err)
+                           : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+}
+
 static iso_status report(const all_bench *b, const char *output, const char *page, const char *beside_output,
                          iso_error *err)
 {
@@ -261,7 +295,7 @@ static iso_status report(const all_bench *b, const char *output, const char *pag
     if (output)
         NEED(iso_json_save(output, ours, err));
     if (page)
-        NEED(iso_bench_all_page_write(page, ours, err));
+        NEED(write_page(page, ours, err));
     if (beside_output) {
         json_auto_t *other = to_json(b, OTHER, session);
         NEED(iso_json_save(beside_output, other, err));

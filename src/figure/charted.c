@@ -6,7 +6,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "figure/kinds_of_volume.h"
+#include "figure/kinds.h"
 #include "figure/page_text.h"
 #include "renderers/renderers.h"
 

@@ -138,20 +138,21 @@ static iso_status compare(drawn *w, iso_figure_panel *map, size_t column, iso_er
 
 static iso_status render_all(drawn *w, iso_error *err)
 {
-    iso_status status = ISO_OK;
     size_t at = 0;
-    for (size_t i = 0; i < w->c->count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < w->c->count; ++i) {
         iso_figure_panel *p = &w->panels[at++];
-        status = w->c->render(w->c->user, i, w->width, w->height, &w->pictures[i], &p->mm_per_pixel, err);
+        const iso_status status = w->c->render(w->c->user, i, w->width, w->height, &w->pictures[i], &p->mm_per_pixel,
+                                               err);
         p->a = w->pictures[i];
-        if (status == ISO_OK && has_insets(w)) {
-            status = render_inset(w, i, &w->insets[i], err);
+        NEED(status);
+        if (has_insets(w)) {
+            NEED(render_inset(w, i, &w->insets[i], err));
             w->panels[at++].a = w->insets[i];
         }
-        if (status == ISO_OK && i > 0 && w->c->compared)
-            status = compare(w, &w->panels[at++], i, err);
+        if (i > 0 && w->c->compared)
+            NEED(compare(w, &w->panels[at++], i, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* ---- caption ---- */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "figure/kinds_of_volume.h"
+#include "figure/kinds.h"
 #include "figure/paper.h"
 #include "figure/picture.h"
 #include "figure/tf_bar.h"
@@ -27,6 +27,11 @@ typedef struct contact {
     iso_paper paper;
 } contact;
 
+static void contact_destroy(contact *c)
+{
+    iso_figure_subject_end(&c->subject);
+}
+
 static iso_status take(const char *option, char *const *given, const char **kept, size_t most, size_t *count,
                        iso_error *err)
 {
@@ -43,18 +48,18 @@ static iso_status take(const char *option, char *const *given, const char **kept
 static iso_status choose(contact *c, iso_error *err)
 {
     static const char *const usual[] = {"front", "left", "top", "iso"};
-    iso_status status = take("--tf", c->job->tfs, c->tfs, ISO_PAPER_MOST_ROWS, &c->rows, err);
-    TRY(status, take("--view", c->job->views, c->views, MOST_COLUMNS, &c->columns, err));
+    NEED(take("--tf", c->job->tfs, c->tfs, ISO_PAPER_MOST_ROWS, &c->rows, err));
+    NEED(take("--view", c->job->views, c->views, MOST_COLUMNS, &c->columns, err));
     if (c->rows == 0)
         c->tfs[c->rows++] = NULL;
     for (size_t i = 0; c->columns == 0 && !c->job->look.scene && i < sizeof usual / sizeof *usual; ++i)
         c->views[i] = usual[i];
     if (c->columns == 0)
         c->columns = c->job->look.scene ? 1 : sizeof usual / sizeof *usual;
-    for (size_t i = 0; i < c->columns && status == ISO_OK; ++i)
+    for (size_t i = 0; i < c->columns; ++i)
         if (c->views[i])
-            status = iso_viewpoint_parse(c->views[i], &c->from[i], err);
-    return status == ISO_OK ? iso_figure_renderer(c->job, &c->with, err) : status;
+            NEED(iso_viewpoint_parse(c->views[i], &c->from[i], err));
+    return iso_figure_renderer(c->job, &c->with, err);
 }
 
 static void name_tf(const contact *c, size_t row, char name[NAME_BYTES])
@@ -76,16 +81,14 @@ static iso_status change_tf(contact *c, size_t row, iso_error *err)
     iso_cli_look asked = c->job->look;
     asked.tf = (char *)c->tfs[row];
     asked.view = NULL;
-    iso_status status = iso_cli_look_check(&asked, c->job->cli->threads, &look, err);
+    NEED(iso_cli_look_check(&asked, c->job->cli->threads, &look, err));
     iso_scene_destroy(&s->scene);
-    s->scene = (iso_scene){0};
     look.frames_box = true;
-    TRY(status, iso_subject_make_scene(&look, &s->pyramid, &s->scene, err));
+    NEED(iso_subject_make_scene(&look, &s->pyramid, &s->scene, err));
     if (c->job->has_background)
         memcpy(s->scene.background, c->job->background, sizeof s->scene.background);
     iso_tf_table_destroy(&s->tf);
-    s->tf = (iso_tf_table){0};
-    return status == ISO_OK ? iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err) : status;
+    return iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err);
 }
 
 /* Puts a text upright on the left of a row. If it is too long, all titles become smaller. */
@@ -114,9 +117,9 @@ static iso_status draw_row(contact *c, iso_page *page, size_t row, iso_error *er
 {
     const size_t width = iso_paper_dots(&c->paper, row);
     char name[NAME_BYTES], length[32];
-    iso_status status = change_tf(c, row, err);
+    NEED(change_tf(c, row, err));
     name_tf(c, row, name);
-    for (size_t i = 0; i < c->columns && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < c->columns; ++i) {
         OWNED(iso_image) image = {0};
         double mm_per_pixel = 0;
         const iso_figure_picture what = {.with = c->with,
@@ -124,23 +127,20 @@ static iso_status draw_row(contact *c, iso_page *page, size_t row, iso_error *er
                                          .width = width,
                                          .height = (size_t)fmax(1, rint((double)width * c->paper.rows[row].aspect)),
                                          .viewpoint = c->views[i] ? &c->from[i] : NULL};
-        status = iso_figure_render(&c->subject, &what, &image, &mm_per_pixel, err);
-        if (status == ISO_OK) {
-            const iso_page_box box = iso_paper_picture(&c->paper, row, i, row == 0 ? name_of_view(c, i) : NULL, NULL,
-                                                       &image);
-            if (i == 0)
-                put_side(page, &box, name);
-            if (i == 0 && !c->subject.pyramid.levels[0].labels)
-                put_bar(c, page, &box, row);
-            if (row == 0)
-                iso_page_draw_scale_bar(page, &box, &image, mm_per_pixel);
-        }
+        NEED(iso_figure_render(&c->subject, &what, &image, &mm_per_pixel, err));
+        const iso_page_box box = iso_paper_picture(&c->paper, row, i, row == 0 ? name_of_view(c, i) : NULL, NULL,
+                                                   &image);
+        if (i == 0)
+            put_side(page, &box, name);
+        if (i == 0 && !c->subject.pyramid.levels[0].labels)
+            put_bar(c, page, &box, row);
+        if (row == 0)
+            iso_page_draw_scale_bar(page, &box, &image, mm_per_pixel);
     }
-    if (status == ISO_OK)
-        fprintf(iso_page_caption(page), " %s, %s%s", name,
-                iso_unit_text(iso_figure_tf_unit_mm(&c->subject.tf), 3, length, sizeof length),
-                row + 1 < c->rows ? ";" : ".");
-    return status;
+    fprintf(iso_page_caption(page), " %s, %s%s", name,
+            iso_unit_text(iso_figure_tf_unit_mm(&c->subject.tf), 3, length, sizeof length),
+            row + 1 < c->rows ? ";" : ".");
+    return ISO_OK;
 }
 
 static iso_status lay_out(contact *c, iso_page *page, iso_error *err)
@@ -159,25 +159,22 @@ static iso_status lay_out(contact *c, iso_page *page, iso_error *err)
 
 static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    contact c = {.job = job};
-    iso_status status = choose(&c, err);
-    TRY(status, iso_figure_subject_load(&c.subject, job, (size_t)job->level + 1, NULL, err));
-    TRY(status, lay_out(&c, page, err));
-    if (status == ISO_OK) {
-        FILE *f = iso_page_caption(page);
-        fputs("A sheet", f);
-        iso_figure_put_subject(&c.subject, f);
-        fprintf(
-            f,
-            ": transfer functions downward, sides across, level %d. Scale bars apply to the plane through the center of "
-            "the volume. Below each row its transfer function: colors over value with the opacity of a length, over gray "
-            "squares:",
-            job->level);
-    }
-    for (size_t i = 0; i < c.rows && status == ISO_OK; ++i)
-        status = draw_row(&c, page, i, err);
-    iso_figure_subject_end(&c.subject);
-    return status;
+    OWNED(contact) c = {.job = job};
+    NEED(choose(&c, err));
+    NEED(iso_figure_subject_load(&c.subject, job, (size_t)job->level + 1, NULL, err));
+    NEED(lay_out(&c, page, err));
+    FILE *f = iso_page_caption(page);
+    fputs("A sheet", f);
+    iso_figure_put_subject(&c.subject, f);
+    fprintf(
+        f,
+        ": transfer functions downward, sides across, level %d. Scale bars apply to the plane through the center of "
+        "the volume. Below each row its transfer function: colors over value with the opacity of a length, over gray "
+        "squares:",
+        job->level);
+    for (size_t i = 0; i < c.rows; ++i)
+        NEED(draw_row(&c, page, i, err));
+    return ISO_OK;
 }
 
 const iso_figure_info iso_figure_contact = {

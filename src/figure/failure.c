@@ -5,13 +5,19 @@
 
 #include "atlas/atlas.h"
 #include "figure/columns.h"
-#include "figure/kinds_of_volume.h"
+#include "figure/kinds.h"
 
 typedef struct entry {
     iso_atlas_case one; /* at the figure's size */
     iso_volume volume;
     iso_tf_table tf; /* empty if the case is not rendered */
 } entry;
+
+static void entry_destroy(entry *e)
+{
+    iso_tf_table_destroy(&e->tf);
+    iso_volume_destroy(&e->volume);
+}
 
 static iso_status render(void *user, size_t column, size_t width, size_t height, iso_image *image, double *mm_per_pixel,
                          iso_error *err)
@@ -58,8 +64,8 @@ static bool is_adapted(const iso_atlas_case *c)
 
 static iso_status draw_failure(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    entry e = {0};
-    iso_atlas_result r = {0};
+    OWNED(entry) e = {0};
+    ENDED_BY(iso_atlas_clear) iso_atlas_result r = {0};
     const iso_atlas_case *found;
     iso_figure_columns c = {.job = job,
                             .count = ISO_ATLAS_WAYS,
@@ -70,26 +76,21 @@ static iso_status draw_failure(const iso_figure_job *job, iso_page *page, iso_er
                             .user = &e};
     NEED(find(job->atlas_case, &found, err));
     e.one = *found;
-    iso_status status = iso_atlas_run(found, &r, err); /* the figures that the atlas checks are for its own size */
-    if (status == ISO_OK && found->scene.field)
-        status = iso_atlas_volume(&found->scene, &e.volume, err);
-    if (status == ISO_OK && found->scene.field && !found->draw)
-        status = iso_atlas_tf(&found->scene, &e.volume.geometry, &e.tf, err);
-    e.tf.unit_mm = iso_geometry_mean_spacing_mm(&e.volume.geometry); /* the atlas' own unit, a micrometer, shows
-                                                                      * nothing */
-    if (status == ISO_OK) {
-        FILE *f = iso_page_caption(page);
-        fprintf(f, "%s. %s %s: %.3g, with the remedy %.3g. Remedy: %s. Correct: %s; failure: %s; remedy: %s",
-                found->title, found->cause, iso_atlas_measure(found), r.values[ISO_ATLAS_FAILURE],
-                r.values[ISO_ATLAS_FALLBACK], found->advice, found->ways[ISO_ATLAS_RIGHT].what,
-                found->ways[ISO_ATLAS_FAILURE].what, found->ways[ISO_ATLAS_FALLBACK].what);
-        c.tf = (iso_figure_tf_foot){.tf = &e.tf, .range = {0, 1}, .of_level0 = is_adapted(found)};
-        status = iso_figure_draw_columns(&c, page, err);
-    }
-    iso_atlas_clear(&r);
-    iso_tf_table_destroy(&e.tf);
-    iso_volume_destroy(&e.volume);
-    return status;
+    NEED(iso_atlas_run(found, &r, err)); /* the figures that the atlas checks are for its own size */
+    if (found->scene.field)
+        NEED(iso_atlas_volume(&found->scene, &e.volume, err));
+    if (found->scene.field && !found->draw)
+        NEED(iso_atlas_tf(&found->scene, &e.volume.geometry, &e.tf, err));
+    /* the atlas' own unit, a micrometer, shows nothing */
+    e.tf.unit_mm = iso_geometry_mean_spacing_mm(&e.volume.geometry);
+    fprintf(iso_page_caption(page),
+            "%s. %s %s: %.3g, with the remedy %.3g. Remedy: %s. Correct: %s; failure: %s; "
+            "remedy: %s",
+            found->title, found->cause, iso_atlas_measure(found), r.values[ISO_ATLAS_FAILURE],
+            r.values[ISO_ATLAS_FALLBACK], found->advice, found->ways[ISO_ATLAS_RIGHT].what,
+            found->ways[ISO_ATLAS_FAILURE].what, found->ways[ISO_ATLAS_FALLBACK].what);
+    c.tf = (iso_figure_tf_foot){.tf = &e.tf, .range = {0, 1}, .of_level0 = is_adapted(found)};
+    return iso_figure_draw_columns(&c, page, err);
 }
 
 const iso_figure_info iso_figure_failure = {

@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "compare/metrics.h"
-#include "figure/kinds_of_volume.h"
+#include "figure/kinds.h"
 #include "figure/paper.h"
 #include "figure/picture.h"
 #include "figure/tf_bar.h"
@@ -20,12 +20,17 @@ typedef struct grid {
     iso_paper paper;
 } grid;
 
+static void grid_destroy(grid *g)
+{
+    iso_figure_subject_end(&g->subject);
+}
+
 static iso_status choose(grid *g, const iso_figure_job *job, iso_error *err)
 {
     bool wanted[ISO_MAX_RENDERERS];
-    iso_status status = iso_renderers_from_list(job->with, wanted, err);
-    TRY(status, iso_renderers_find_missing(job->with, wanted, err));
-    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
+    NEED(iso_renderers_from_list(job->with, wanted, err));
+    NEED(iso_renderers_find_missing(job->with, wanted, err));
+    for (size_t i = 0; i < iso_renderer_count(); ++i) {
         if (wanted[i] && g->columns == MOST_COLUMNS)
             return iso_fail(err, ISO_E_RANGE, "--with names too many renderers, at most %d fit side by side",
                             (int)MOST_COLUMNS);
@@ -33,7 +38,7 @@ static iso_status choose(grid *g, const iso_figure_job *job, iso_error *err)
             g->with[g->columns++] = iso_renderer_at(i);
     }
     g->levels = job->levels ? (size_t)job->levels : OWN_LEVELS;
-    return status == ISO_OK ? iso_words_check_range("--levels", (double)g->levels, 1, MOST_LEVELS, err) : status;
+    return iso_words_check_range("--levels", (double)g->levels, 1, MOST_LEVELS, err);
 }
 
 /* Puts a text upright on the left of a row: the level, and its part of the voxels. */
@@ -97,13 +102,12 @@ static iso_status draw_level(grid *g, const iso_figure_job *job, iso_page *page,
 
 static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    grid g = {.columns = 0};
+    OWNED(grid) g = {.columns = 0};
     iso_paper_row rows[ISO_PAPER_MOST_ROWS];
-    iso_status status = choose(&g, job, err);
-    TRY(status, iso_figure_subject_load(&g.subject, job, g.levels, NULL, err));
-    if (status == ISO_OK)
-        g.tf = iso_figure_tf_foot_of(&g.subject);
-    for (size_t i = 0; i < g.levels && status == ISO_OK; ++i)
+    NEED(choose(&g, job, err));
+    NEED(iso_figure_subject_load(&g.subject, job, g.levels, NULL, err));
+    g.tf = iso_figure_tf_foot_of(&g.subject);
+    for (size_t i = 0; i < g.levels; ++i)
         rows[i] = (iso_paper_row){.columns = g.columns,
                                   .aspect = (double)g.subject.scene.height / (double)g.subject.scene.width,
                                   .left_mm = side_mm,
@@ -112,19 +116,15 @@ static iso_status draw(const iso_figure_job *job, iso_page *page, iso_error *err
                                   .below_mm = i + 1 == g.levels ? iso_figure_tf_foot_mm(&g.tf) : 0,
                                   .has_titles = i == 0,
                                   .has_notes = g.columns > 1};
-    TRY(status, iso_paper_lay_out(&g.paper, job, page, rows, g.levels, err));
-    if (status == ISO_OK) {
-        fprintf(iso_page_caption(page), "Levels and renderers");
-        iso_figure_put_subject(&g.subject, iso_page_caption(page));
-        fprintf(iso_page_caption(page), "%s; figures compare with the first renderer's picture of the same level.",
-                job->adapted.wanted ? ", coarse levels under the transfer functions adapted to them" : "");
-    }
-    for (size_t i = 0; i < g.levels && status == ISO_OK; ++i)
-        status = draw_level(&g, job, page, i, err);
-    if (status == ISO_OK)
-        iso_figure_put_tf_foot(&g.tf, page, 0);
-    iso_figure_subject_end(&g.subject);
-    return status;
+    NEED(iso_paper_lay_out(&g.paper, job, page, rows, g.levels, err));
+    fprintf(iso_page_caption(page), "Levels and renderers");
+    iso_figure_put_subject(&g.subject, iso_page_caption(page));
+    fprintf(iso_page_caption(page), "%s; figures compare with the first renderer's picture of the same level.",
+            job->adapted.wanted ? ", coarse levels under the transfer functions adapted to them" : "");
+    for (size_t i = 0; i < g.levels; ++i)
+        NEED(draw_level(&g, job, page, i, err));
+    iso_figure_put_tf_foot(&g.tf, page, 0);
+    return ISO_OK;
 }
 
 const iso_figure_info iso_figure_grid = {

@@ -6,9 +6,7 @@
 #include "base/file.h"
 #include "base/words.h"
 #include "figure/job.h"
-#include "figure/kinds_of_volume.h"
-#include "figure/levels.h"
-#include "figure/of_report.h"
+#include "figure/kinds.h"
 #include "pyramid/pyramid.h"
 
 const iso_figure_info *const iso_figure_kinds[] = {
@@ -120,32 +118,36 @@ static iso_status check_input(const iso_figure_job *job, bool of_report, iso_err
 
 /* ---- the figure ---- */
 
+ISO_ENDING(end_page, iso_page, iso_page_destroy)
+
 static iso_status draw_page(const iso_figure_job *job, const char *dir, iso_error *err)
 {
-    iso_page *page = NULL;
-    iso_status status = iso_page_create(&page, dir, job->dpi, err);
-    if (status == ISO_OK && job->letters)
+    ENDED_BY(end_page) iso_page *page = NULL;
+    NEED(iso_page_create(&page, dir, job->dpi, err));
+    if (job->letters)
         iso_page_letter_panels(page);
-    TRY(status, job->kind->draw(job, page, err));
-    TRY(status, iso_page_finish(page, job->formats, job->with_sources, err));
-    iso_page_destroy(page);
-    return status;
+    NEED(job->kind->draw(job, page, err));
+    return iso_page_finish(page, job->formats, job->with_sources, err);
+}
+
+static iso_status make(const iso_figure_job *job, bool of_report, iso_error *err)
+{
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
+    if (!job->output)
+        return iso_fail(err, ISO_E_USAGE, "-o is missing; give the folder for the figure");
+    NEED(check_input(job, of_report, err));
+    NEED(check_options(job, of_report, err));
+    NEED(check_numbers(job, err));
+    NEED(iso_page_check_forms(job->formats, err));
+    NEED(iso_output_begin_dir(&out, job->output, "figure.pdf", err));
+    NEED(draw_page(job, out.temp_path, err));
+    return iso_output_commit(&out, err);
 }
 
 iso_status iso_figure_make(const iso_figure_job *job, iso_error *err)
 {
     const bool of_report = iso_figure_is_of_report(job);
-    iso_output out = {0};
-    iso_status status = job->output ? ISO_OK
-                                    : iso_fail(err, ISO_E_USAGE, "-o is missing; give the folder for the figure");
-    TRY(status, check_input(job, of_report, err));
-    TRY(status, check_options(job, of_report, err));
-    TRY(status, check_numbers(job, err));
-    TRY(status, iso_page_check_forms(job->formats, err));
-    TRY(status, iso_output_begin_dir(&out, job->output, "figure.pdf", err));
-    TRY(status, draw_page(job, out.temp_path, err));
-    TRY(status, iso_output_commit(&out, err));
-    iso_output_abandon(&out);
+    const iso_status status = make(job, of_report, err);
     /* A folder may hold slices of a volume instead of a report. */
     return status != ISO_OK && status != ISO_E_USAGE && job->input && (job->kind->takes & ISO_FIGURE_OF_REPORT) &&
                    !of_report && iso_path_is_dir(job->input) && !iso_pyramid_is_one(job->input)

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "figure/levels.h"
+#include "figure/kinds.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #include "figure/columns.h"
-#include "figure/of_report.h"
 #include "figure/picture.h"
 #include "plan/scene_levels.h"
 
@@ -18,6 +17,12 @@ typedef struct shown {
     size_t level[ISO_FIGURE_MOST_COLUMNS];
     bool is_optimized[ISO_FIGURE_MOST_COLUMNS];
 } shown;
+
+static void shown_destroy(shown *s)
+{
+    iso_figure_subject_end(&s->subject);
+    iso_figure_subject_end(&s->optimized);
+}
 
 /* Does the same as build --for with the scene, for levels from `first` on. */
 static iso_status optimize_levels(iso_figure_subject *s, size_t first, iso_error *err)
@@ -66,50 +71,45 @@ static iso_status choose_levels(const iso_figure_job *job, shown *s, iso_figure_
 static iso_status choose_renderers(const iso_figure_job *job, shown *s, iso_figure_columns *c, iso_error *err)
 {
     bool wanted[ISO_MAX_RENDERERS];
-    iso_status status = iso_renderers_from_list(job->with, wanted, err);
-    TRY(status, iso_renderers_find_missing(job->with, wanted, err));
-    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i)
+    NEED(iso_renderers_from_list(job->with, wanted, err));
+    NEED(iso_renderers_find_missing(job->with, wanted, err));
+    for (size_t i = 0; i < iso_renderer_count(); ++i)
         if (wanted[i]) {
             s->with[c->count] = iso_renderer_at(i);
             s->level[c->count] = (size_t)job->level;
             snprintf(c->titles[c->count++], sizeof *c->titles, "%.90s", iso_renderer_at(i)->title);
         }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status load_levels(const iso_figure_job *job, shown *s, size_t last, iso_error *err)
 {
-    iso_status status = iso_figure_subject_load(&s->subject, job, s->level[last] + 1, NULL, err);
-    if (status != ISO_OK || !s->is_optimized[last])
-        return status;
+    NEED(iso_figure_subject_load(&s->subject, job, s->level[last] + 1, NULL, err));
+    if (!s->is_optimized[last])
+        return ISO_OK;
     if (iso_pyramid_is_one(job->input))
         return iso_fail(err, ISO_E_USAGE, "--methods optimized builds a pyramid: give the volume, not %s", job->input);
-    status = iso_figure_subject_load(&s->optimized, job, s->level[last] + 1, NULL, err);
-    return status == ISO_OK ? optimize_levels(&s->optimized, 1, err) : status;
+    NEED(iso_figure_subject_load(&s->optimized, job, s->level[last] + 1, NULL, err));
+    return optimize_levels(&s->optimized, 1, err);
 }
 
 static iso_status draw_volume(const iso_figure_job *job, bool of_levels, iso_page *page, iso_error *err)
 {
-    shown s = {0};
+    OWNED(shown) s = {0};
     iso_figure_columns c = {.job = job, .compared = true, .in_logs = !of_levels, .render = render, .user = &s};
-    iso_status status = of_levels ? choose_levels(job, &s, &c, err) : choose_renderers(job, &s, &c, err);
-    TRY(status, load_levels(job, &s, c.count - 1, err));
-    if (status == ISO_OK) {
-        FILE *f = iso_page_caption(page);
-        fputs(of_levels ? "Levels" : "Renderers", f);
-        iso_figure_put_subject(&s.subject, f);
-        if (!of_levels)
-            fprintf(f, ", level %zu", s.level[0]);
-        else if (job->adapted.wanted)
-            fputs(", each under the transfer function adapted to it", f);
-        c.drawn_by = of_levels ? &s.subject.drawn_by : NULL;
-        c.tf = iso_figure_tf_foot_of(&s.subject);
-        c.aspect = iso_figure_aspect(&s.subject);
-        status = iso_figure_draw_columns(&c, page, err);
-    }
-    iso_figure_subject_end(&s.subject);
-    iso_figure_subject_end(&s.optimized);
-    return status;
+    FILE *f = iso_page_caption(page);
+    NEED(of_levels ? choose_levels(job, &s, &c, err) : choose_renderers(job, &s, &c, err));
+    NEED(load_levels(job, &s, c.count - 1, err));
+    fputs(of_levels ? "Levels" : "Renderers", f);
+    iso_figure_put_subject(&s.subject, f);
+    if (!of_levels)
+        fprintf(f, ", level %zu", s.level[0]);
+    else if (job->adapted.wanted)
+        fputs(", each under the transfer function adapted to it", f);
+    c.drawn_by = of_levels ? &s.subject.drawn_by : NULL;
+    c.tf = iso_figure_tf_foot_of(&s.subject);
+    c.aspect = iso_figure_aspect(&s.subject);
+    return iso_figure_draw_columns(&c, page, err);
 }
 
 static iso_status draw_levels(const iso_figure_job *job, iso_page *page, iso_error *err)
@@ -188,6 +188,12 @@ typedef struct methods_shown {
     size_t level;
 } methods_shown;
 
+static void methods_shown_destroy(methods_shown *s)
+{
+    for (size_t i = 0; i < sizeof s->subject / sizeof *s->subject; ++i)
+        iso_figure_subject_end(&s->subject[i]);
+}
+
 static iso_status render_method(void *user, size_t column, size_t width, size_t height, iso_image *image,
                                 double *mm_per_pixel, iso_error *err)
 {
@@ -223,39 +229,33 @@ static iso_status choose_methods(const char *list, methods_shown *s, iso_figure_
 static iso_status load_methods(const iso_figure_job *job, methods_shown *s, size_t count, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_status status = ISO_OK;
     if (iso_pyramid_is_one(job->input))
         return iso_fail(err, ISO_E_USAGE, "--kind methods builds a pyramid for each method: give the volume, not %s",
                         job->input);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         if (i > 0)
             build.direction_filter = s->method[i]->filter;
-        status = iso_figure_subject_load(&s->subject[i], job, i > 0 ? s->level + 1 : 1, &build, err);
-        if (status == ISO_OK && i > 0 && s->method[i]->as == FOR_SCENE)
-            status = optimize_levels(&s->subject[i], s->level, err);
+        NEED(iso_figure_subject_load(&s->subject[i], job, i > 0 ? s->level + 1 : 1, &build, err));
+        if (i > 0 && s->method[i]->as == FOR_SCENE)
+            NEED(optimize_levels(&s->subject[i], s->level, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status draw_methods(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    methods_shown s = {.level = job->level ? (size_t)job->level : USUAL_LEVEL};
+    OWNED(methods_shown) s = {.level = job->level ? (size_t)job->level : USUAL_LEVEL};
     iso_figure_columns c = {.job = job, .compared = true, .render = render_method, .user = &s};
-    iso_status status = iso_figure_renderer(job, &s.with, err);
-    TRY(status, choose_methods(job->methods ? job->methods : "naive,moments,moments+adapted", &s, &c, err));
-    TRY(status, load_methods(job, &s, c.count, err));
-    if (status == ISO_OK) {
-        FILE *f = iso_page_caption(page);
-        fprintf(f, "Methods for directions, level %zu", s.level);
-        iso_figure_put_subject(&s.subject[0], f);
-        c.drawn_by = &s.subject[0].drawn_by;
-        c.tf = iso_figure_tf_foot_of(&s.subject[0]);
-        c.aspect = iso_figure_aspect(&s.subject[0]);
-        status = iso_figure_draw_columns(&c, page, err);
-    }
-    for (size_t i = 0; i < c.count; ++i)
-        iso_figure_subject_end(&s.subject[i]);
-    return status;
+    FILE *f = iso_page_caption(page);
+    NEED(iso_figure_renderer(job, &s.with, err));
+    NEED(choose_methods(job->methods ? job->methods : "naive,moments,moments+adapted", &s, &c, err));
+    NEED(load_methods(job, &s, c.count, err));
+    fprintf(f, "Methods for directions, level %zu", s.level);
+    iso_figure_put_subject(&s.subject[0], f);
+    c.drawn_by = &s.subject[0].drawn_by;
+    c.tf = iso_figure_tf_foot_of(&s.subject[0]);
+    c.aspect = iso_figure_aspect(&s.subject[0]);
+    return iso_figure_draw_columns(&c, page, err);
 }
 
 const iso_figure_info iso_figure_methods = {

@@ -1,6 +1,17 @@
 /* SPDX-License-Identifier: MIT */
+/* of_report.c - a figure from a report's own pictures, enlarged by whole numbers.
+ *
+ *   levels      columns: levels; for each method, under each chosen TF, the
+ *               image and, below, its difference from level 0, on one linear scale
+ *   renderers   columns: comparisons at one level; both images and their
+ *               difference, on one log scale
+ * The scale bar applies to the plane through the center of the volume's box. It
+ * is omitted if the report does not have the size of a pixel.
+ *
+ * job->methods: "naive,moments,moments+adapted" (iso_report_consistency_name()), in the report's order; NULL: the first
+ * and the last under the original TF. job->variant: comparisons whose name contains it; NULL: those without method and
+ * TF. job->look.scene: name of a scene in the report of a suite. */
 #define _GNU_SOURCE
-#include "figure/of_report.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,7 +21,7 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "compare/metrics.h"
-#include "figure/levels.h"
+#include "figure/kinds.h"
 #include "figure/sheet.h"
 #include "base/progress_line.h"
 #include "renderers/renderers.h"
@@ -34,6 +45,16 @@ typedef struct figure {
     double low, high; /* of the difference maps; log10 if in_logs */
     FILE *caption;
 } figure;
+
+static void figure_destroy(figure *f)
+{
+    for (size_t i = 0; i < f->count; ++i) {
+        iso_image_destroy(&f->panels[i].a);
+        iso_image_destroy(&f->panels[i].b);
+    }
+    free(f->panels);
+    json_decref(f->report);
+}
 
 static const char *string_of(const json_t *object, const char *key)
 {
@@ -65,28 +86,23 @@ static iso_status add_panel(figure *f, panel p, iso_error *err)
 {
     if (f->count == max_panels)
         return iso_fail(err, ISO_E_RANGE, "figure: more than %d panels", (int)max_panels);
+    panel *kept = &f->panels[f->count++]; /* destroyed with the figure */
     p.mm_per_pixel = number_of(json_object_get(json_object_get(f->report, "images"), p.image), "mm_per_pixel");
     if (!(p.mm_per_pixel > 0))
         p.mm_per_pixel = 0;
-    iso_status status = load_image(f, p.image, &p.a, err);
-    if (status == ISO_OK && p.against)
-        status = load_image(f, p.against, &p.b, err);
-    if (status == ISO_OK && p.against)
-        status = iso_metrics_measure(&p.a, &p.b, &p.metrics, err);
-    if (status != ISO_OK) {
-        iso_image_destroy(&p.a);
-        iso_image_destroy(&p.b);
-        return status;
-    }
-    if (!p.against) {
+    *kept = p;
+    NEED(load_image(f, p.image, &kept->a, err));
+    if (p.against) {
+        NEED(load_image(f, p.against, &kept->b, err));
+        NEED(iso_metrics_measure(&kept->a, &kept->b, &kept->metrics, err));
+    } else {
         const double least = 1e-3; /* ISO_VISIBLE_LEAST of scene/visible.h, which reports do not store */
         ++f->pictures;
-        if (iso_image_shown_share(&p.a) < least && f->empty++ == 0)
+        if (iso_image_shown_share(&kept->a) < least && f->empty++ == 0)
             f->first_empty = p.image;
     }
     f->rows = p.row + 1 > f->rows ? p.row + 1 : f->rows;
     f->columns = p.column + 1 > f->columns ? p.column + 1 : f->columns;
-    f->panels[f->count++] = p;
     return ISO_OK;
 }
 
@@ -179,27 +195,26 @@ static iso_status add_level(figure *f, const json_t *row, size_t at, iso_error *
 /* Adds the levels of one method under one TF. */
 static iso_status add_levels(figure *f, const json_t *rows, const char *method, size_t at, iso_error *err)
 {
-    iso_status status = ISO_OK;
     bool first = true;
     json_t *row;
     size_t i;
     json_array_foreach (rows, i, row) {
         char name[ISO_CONSISTENCY_NAME_BYTES];
         iso_report_consistency_name(row, name);
-        if (strcmp(name, method) != 0 || status != ISO_OK || !string_of(row, "image")[0])
+        if (strcmp(name, method) != 0 || !string_of(row, "image")[0])
             continue;
         if (first && at == 0) { /* level 0 once: all methods have the same volume */
             panel p = {.image = string_of(row, "reference_image"), .title = "level 0", .scale_bar = true};
-            status = add_panel(f, p, err);
+            NEED(add_panel(f, p, err));
         }
         const size_t leftmost = at == 0 ? 0 : f->count;
-        TRY(status, add_level(f, row, at, err));
-        if (status == ISO_OK && first)
+        NEED(add_level(f, row, at, err));
+        if (first)
             snprintf(f->panels[leftmost].side, sizeof f->panels->side, "%.60s%s",
                      iso_figure_method_words(string_of(row, "method")), is_adapted(row) ? " (adapted TF)" : "");
         first = false;
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status plan_levels(figure *f, iso_error *err)
@@ -209,18 +224,17 @@ static iso_status plan_levels(figure *f, iso_error *err)
     json_auto_t *methods = pictured_methods(rows), *chosen = chosen_methods(methods, f->job->methods);
     const char *method;
     size_t shown = 0;
-    iso_status status = ISO_OK;
     if (json_object_size(f->job->methods ? methods : chosen) == 0)
-        status = iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of levels", f->report_dir);
-    TRY(status, check_methods(methods, f->job->methods, err));
+        return iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of levels", f->report_dir);
+    NEED(check_methods(methods, f->job->methods, err));
     fprintf(f->caption,
             "Levels of %s (%s), one view: pictures, and below them their largest difference from level 0 over the "
             "channels, on a linear scale. Figures below a map are of this view; means over all views:",
             file_name_of(f->report, "volume"), file_name_of(f->report, "scene"));
-    json_object_foreach (chosen, method, adapted)
-        if (status == ISO_OK)
-            status = add_levels(f, rows, method, shown++, err);
-    return status;
+    json_object_foreach (chosen, method, adapted) {
+        NEED(add_levels(f, rows, method, shown++, err));
+    }
+    return ISO_OK;
 }
 
 /* ---- renderers -------------------------------------------------------------- */
@@ -311,7 +325,8 @@ static iso_status check_one_scene(json_t *const *shown, size_t count, iso_error 
 static iso_status plan_renderers(figure *f, iso_error *err)
 {
     const json_t *rows = json_object_get(f->report, "agreement");
-    json_t *row, **shown = calloc(json_array_size(rows) + 1, sizeof *shown);
+    FREED json_t **shown = calloc(json_array_size(rows) + 1, sizeof *shown);
+    json_t *row;
     size_t i, count = 0;
     if (!shown)
         return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
@@ -325,17 +340,14 @@ static iso_status plan_renderers(figure *f, iso_error *err)
             "channels on a log scale.",
             (size_t)f->job->level, volume, *volume ? " (" : "the scene ",
             f->job->look.scene ? f->job->look.scene : file_name_of(f->report, "scene"), *volume ? ")" : "");
-    iso_status status = count > 0
-                            ? ISO_OK
-                            : iso_fail(err, ISO_E_RANGE,
-                                       "%s: the report has no pictures of comparisons at level %zu%s%s", f->report_dir,
-                                       (size_t)f->job->level, f->job->variant ? " with a name like " : "",
-                                       f->job->variant ? f->job->variant : "");
-    TRY(status, check_one_scene(shown, count, err));
-    for (i = 0; i < count && status == ISO_OK; ++i)
-        status = add_comparison(f, shown[i], i, err);
-    free(shown);
-    return status;
+    if (count == 0)
+        return iso_fail(err, ISO_E_RANGE, "%s: the report has no pictures of comparisons at level %zu%s%s",
+                        f->report_dir, (size_t)f->job->level, f->job->variant ? " with a name like " : "",
+                        f->job->variant ? f->job->variant : "");
+    NEED(check_one_scene(shown, count, err));
+    for (i = 0; i < count; ++i)
+        NEED(add_comparison(f, shown[i], i, err));
+    return ISO_OK;
 }
 
 /* ---- drawing ---------------------------------------------------------------- */
@@ -408,30 +420,19 @@ static iso_status draw_sheet(figure *f, iso_page *page, iso_error *err)
     return ISO_OK;
 }
 
-static iso_status make(figure *f, iso_page *page, iso_error *err)
-{
-    f->caption = iso_page_caption(page);
-    f->panels = calloc(max_panels, sizeof *f->panels);
-    iso_status status = f->panels ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    TRY(status, f->of_levels ? plan_levels(f, err) : plan_renderers(f, err));
-    TRY(status, draw_sheet(f, page, err));
-    if (status == ISO_OK)
-        notice(f);
-    for (size_t i = 0; i < f->count; ++i) {
-        iso_image_destroy(&f->panels[i].a);
-        iso_image_destroy(&f->panels[i].b);
-    }
-    free(f->panels);
-    return status;
-}
-
 static iso_status draw(const iso_figure_job *job, bool of_levels, iso_page *page, iso_error *err)
 {
-    figure f = {.job = job, .of_levels = of_levels, .report_dir = job->input};
-    iso_status status = iso_report_load(job->input, &f.report, err);
-    TRY(status, make(&f, page, err));
-    json_decref(f.report);
-    return status;
+    OWNED(figure)
+    f = {.job = job,
+         .of_levels = of_levels,
+         .report_dir = job->input,
+         .caption = iso_page_caption(page),
+         .panels = calloc(max_panels, sizeof *f.panels)};
+    NEED(f.panels ? iso_report_load(job->input, &f.report, err) : iso_fail(err, ISO_E_MEMORY, "figure: out of memory"));
+    NEED(of_levels ? plan_levels(&f, err) : plan_renderers(&f, err));
+    NEED(draw_sheet(&f, page, err));
+    notice(&f);
+    return ISO_OK;
 }
 
 bool iso_figure_is_of_report(const iso_figure_job *job)

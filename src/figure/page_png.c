@@ -121,16 +121,10 @@ static iso_status write_png(const char *path, const canvas *c, double dpi, iso_e
 iso_status iso_page_png_compose(const char *path, const iso_page_pixels *pictures, size_t count, size_t wide,
                                 size_t high, double dpi, iso_error *err)
 {
-    canvas c = {wide, high, malloc(3 * wide * high)};
-    unsigned char *overlay = NULL;
-    iso_status status = c.rgb ? read_overlay(path, &c, &overlay, err)
-                              : iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
-    if (status == ISO_OK) {
-        put_pictures(&c, pictures, count);
-        put_over(&c, overlay);
-        status = write_png(path, &c, dpi, err);
-    }
-    free(overlay);
-    free(c.rgb);
-    return status;
+    FREED unsigned char *rgb = malloc(3 * wide * high), *overlay = NULL;
+    canvas c = {wide, high, rgb};
+    NEED(rgb ? read_overlay(path, &c, &overlay, err) : iso_fail(err, ISO_E_MEMORY, "figure: out of memory"));
+    put_pictures(&c, pictures, count);
+    put_over(&c, overlay);
+    return write_png(path, &c, dpi, err);
 }

@@ -10,12 +10,9 @@
 
 iso_status iso_figure_scene_tf(const iso_scene *scene, const iso_pyramid *p, iso_tf_table *tf, iso_error *err)
 {
-    iso_view view = {0};
-    iso_status status = iso_scene_resolve(scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &view,
-                                          err);
-    TRY(status, iso_tf_table_copy(&view.tf, tf, err));
-    iso_view_destroy(&view);
-    return status;
+    OWNED(iso_view) view = {0};
+    NEED(iso_scene_resolve(scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &view, err));
+    return iso_tf_table_copy(&view.tf, tf, err);
 }
 
 iso_status iso_figure_subject_load(iso_figure_subject *s, const iso_figure_job *job, size_t level_count,
@@ -28,15 +25,15 @@ iso_status iso_figure_subject_load(iso_figure_subject *s, const iso_figure_job *
     s->renderers.store = job->store;
     options.threads = job->cli->threads;
     options.level_count = level_count;
-    iso_status status = iso_cli_look_check(&job->look, job->cli->threads, &look, err);
-    TRY(status, iso_subject_load_pyramid(job->input, &job->volume, &options, &progress, &s->pyramid, err));
-    if (status == ISO_OK && level_count > s->pyramid.level_count)
-        status = iso_fail(err, ISO_E_RANGE, "%s has levels 0 to %zu, the figure would show level %zu", job->input,
-                          s->pyramid.level_count - 1, level_count - 1);
-    TRY(status, iso_subject_make_scene(&look, &s->pyramid, &s->scene, err));
+    NEED(iso_cli_look_check(&job->look, job->cli->threads, &look, err));
+    NEED(iso_subject_load_pyramid(job->input, &job->volume, &options, &progress, &s->pyramid, err));
+    if (level_count > s->pyramid.level_count)
+        return iso_fail(err, ISO_E_RANGE, "%s has levels 0 to %zu, the figure would show level %zu", job->input,
+                        s->pyramid.level_count - 1, level_count - 1);
+    NEED(iso_subject_make_scene(&look, &s->pyramid, &s->scene, err));
     if (job->has_background)
         memcpy(s->scene.background, job->background, sizeof s->scene.background);
-    return status == ISO_OK ? iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err) : status;
+    return iso_figure_scene_tf(&s->scene, &s->pyramid, &s->tf, err);
 }
 
 void iso_figure_subject_end(iso_figure_subject *s)
@@ -110,25 +107,21 @@ static void widen_for_turns(iso_view *view, const iso_scene *scene, const iso_ge
 static iso_status make_view(iso_figure_subject *s, const iso_figure_picture *what, iso_view *view, iso_error *err)
 {
     const iso_geometry *geometry = &s->pyramid.levels[0].geometry;
+    const int threads = s->job->cli->threads;
     iso_scene scene = s->scene; /* borrows its contents */
     scene.width = what->width, scene.height = what->height;
     if (what->viewpoint)
         iso_scene_look_from(&scene, geometry, what->viewpoint);
-    iso_status status = iso_scene_resolve(&scene, geometry, iso_pyramid_lo(&s->pyramid), iso_pyramid_hi(&s->pyramid),
-                                          view, err);
-    if (status == ISO_OK)
-        widen_for_turns(view, &scene, geometry, what->turns);
-    if (status == ISO_OK && what->turn_deg != 0)
+    NEED(iso_scene_resolve(&scene, geometry, iso_pyramid_lo(&s->pyramid), iso_pyramid_hi(&s->pyramid), view, err));
+    widen_for_turns(view, &scene, geometry, what->turns);
+    if (what->turn_deg != 0)
         turn_camera(view, &scene, iso_geometry_box_center_mm(geometry), what->turn_deg);
     iso_cli_adapted adapted = s->job->adapted;
     adapted.wanted = adapted.wanted || what->adapted;
-    if (status == ISO_OK && what->region)
-        status = iso_cli_roi_view(what->region,
-                                  &(iso_cli_roi_place){&adapted, s->job->input, &s->pyramid, what->level,
-                                                       s->job->cli->threads},
-                                  view, err);
-    TRY(status, iso_cli_adapt_view(&adapted, s->job->input, &s->pyramid, what->level, view, s->job->cli->threads, err));
-    return status;
+    const iso_cli_roi_place at = {&adapted, s->job->input, &s->pyramid, what->level, threads};
+    if (what->region)
+        NEED(iso_cli_roi_view(what->region, &at, view, err));
+    return iso_cli_adapt_view(&adapted, s->job->input, &s->pyramid, what->level, view, threads, err);
 }
 
 /* Lets ranks share the pictures of a renderer that draws from now on. */
@@ -145,7 +138,7 @@ static iso_status share_pictures(iso_figure_subject *s, const iso_renderer_info 
 iso_status iso_figure_render(iso_figure_subject *s, const iso_figure_picture *what, iso_image *image,
                              double *mm_per_pixel, iso_error *err)
 {
-    iso_view view = {0};
+    OWNED(iso_view) view = {0};
     const iso_progress progress = iso_cli_progress(s->job->cli);
     iso_render_options opt = iso_render_defaults(what->with);
     const iso_render_request request = {&s->renderers, &s->pyramid, what->level, &view, &opt, &progress};
@@ -153,17 +146,16 @@ iso_status iso_figure_render(iso_figure_subject *s, const iso_figure_picture *wh
     if (what->source)
         opt.source = *what->source;
     *image = (iso_image){0};
-    iso_status status = make_view(s, what, &view, err);
-    if (status == ISO_OK && !s->job->with && !what->named)
+    NEED(make_view(s, what, &view, err));
+    if (!s->job->with && !what->named)
         iso_renderers_choose(&s->pyramid, &view, &opt);
-    TRY(status, share_pictures(s, opt.renderer, err));
+    NEED(share_pictures(s, opt.renderer, err));
     s->drawn_by = opt.renderer;
-    TRY(status, iso_render_with(&request, image, NULL, err));
-    TRY(status, iso_render_check_finite(opt.renderer, image, err));
-    if (status == ISO_OK && mm_per_pixel)
+    NEED(iso_render_with(&request, image, NULL, err));
+    NEED(iso_render_check_finite(opt.renderer, image, err));
+    if (mm_per_pixel)
         *mm_per_pixel = iso_view_mm_per_pixel(&view, &s->pyramid.levels[0].geometry);
-    iso_view_destroy(&view);
-    return status;
+    return ISO_OK;
 }
 
 void iso_figure_put_subject(const iso_figure_subject *s, FILE *caption)

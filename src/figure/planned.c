@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "figure/columns.h"
-#include "figure/kinds_of_volume.h"
+#include "figure/kinds.h"
 #include "figure/picture.h"
 #include "plan/planner.h"
 #include "tf/color_space.h"
@@ -22,6 +22,14 @@ typedef struct shown {
     iso_view view;
     size_t level_count;
 } shown;
+
+static void shown_destroy(shown *s)
+{
+    iso_planner_destroy(&s->planner);
+    iso_node_levels_destroy(&s->nodes);
+    iso_view_destroy(&s->view);
+    iso_figure_subject_end(&s->subject);
+}
 
 /* Returns the color of a level; the finest one is the darkest. */
 static void color_of(const shown *s, size_t level, unsigned char rgb[3])
@@ -162,7 +170,7 @@ static iso_status make_plan(shown *s, double error, iso_error *err)
 
 static iso_status draw_plan(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    shown s = {.job = job, .level_count = job->levels ? (size_t)job->levels : USUAL_LEVELS};
+    OWNED(shown) s = {.job = job, .level_count = job->levels ? (size_t)job->levels : USUAL_LEVELS};
     const double error = job->error > 0 ? job->error : usual_error;
     iso_figure_columns c = {.job = job,
                             .count = WAYS,
@@ -171,20 +179,13 @@ static iso_status draw_plan(const iso_figure_job *job, iso_page *page, iso_error
                             .foot_mm = foot_mm,
                             .render = render,
                             .user = &s};
-    iso_status status = make_plan(&s, error, err);
-    if (status == ISO_OK) {
-        write_caption(&s, error, iso_page_caption(page));
-        c.aspect = iso_figure_aspect(&s.subject);
-        c.tf = iso_figure_tf_foot_of(&s.subject);
-        status = iso_figure_draw_columns(&c, page, err);
-    }
-    if (status == ISO_OK)
-        put_legend(&s, page);
-    iso_planner_destroy(&s.planner);
-    iso_node_levels_destroy(&s.nodes);
-    iso_view_destroy(&s.view);
-    iso_figure_subject_end(&s.subject);
-    return status;
+    NEED(make_plan(&s, error, err));
+    write_caption(&s, error, iso_page_caption(page));
+    c.aspect = iso_figure_aspect(&s.subject);
+    c.tf = iso_figure_tf_foot_of(&s.subject);
+    NEED(iso_figure_draw_columns(&c, page, err));
+    put_legend(&s, page);
+    return ISO_OK;
 }
 
 const iso_figure_info iso_figure_plan = {

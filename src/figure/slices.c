@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "figure/columns.h"
-#include "figure/kinds_of_volume.h"
+#include "figure/kinds.h"
 #include "figure/picture.h"
 #include "tf/color_space.h"
 

@@ -3,7 +3,7 @@
  * of the colors over a checkerboard, with their opacity. Several levels have one each. */
 #include <math.h>
 
-#include "figure/kinds_of_volume.h"
+#include "figure/kinds.h"
 #include "figure/picture.h"
 #include "figure/tf_bar.h"
 #include "tf/color_space.h"
@@ -91,7 +91,7 @@ typedef struct place {
     const char *title;
     double range[2]; /* of values */
     const iso_level *level0;
-    bool first; /* True for the first, which has the histogram */
+    bool first;     /* True for the first, which has the histogram */
     char value[32]; /* title of the axis of values */
 } place;
 
@@ -136,6 +136,13 @@ typedef struct curves {
     iso_view views[ISO_FIGURE_MOST_LEVELS];
 } curves;
 
+static void curves_destroy(curves *c)
+{
+    for (size_t i = 0; i < c->count; ++i)
+        iso_view_destroy(&c->views[i]);
+    iso_figure_subject_end(&c->subject);
+}
+
 /* Makes the view of a level, under its adapted transfer function if requested. */
 static iso_status make_view(curves *c, const iso_figure_job *job, size_t level, iso_view *view, iso_error *err)
 {
@@ -150,9 +157,9 @@ static void name_level(const curves *c, size_t i, char title[64])
 {
     const size_t level = c->first + i;
     snprintf(title, 64, "level %zu%s", level,
-             level == 0                                    ? ""
+             level == 0                                              ? ""
              : iso_tf_table_equals(&c->views[0].tf, &c->views[i].tf) ? ", the original is kept"
-                                                           : ", adapted");
+                                                                     : ", adapted");
 }
 
 static iso_status choose(curves *c, const iso_figure_job *job, iso_error *err)
@@ -218,15 +225,11 @@ static void write_caption(const curves *c, const iso_figure_job *job, FILE *f)
 
 static iso_status draw_tf(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    curves c = {.first = 0};
-    iso_status status = choose(&c, job, err);
-    TRY(status, put_all(&c, job, page, err));
-    if (status == ISO_OK)
-        write_caption(&c, job, iso_page_caption(page));
-    for (size_t i = 0; i < c.count; ++i)
-        iso_view_destroy(&c.views[i]);
-    iso_figure_subject_end(&c.subject);
-    return status;
+    OWNED(curves) c = {.first = 0};
+    NEED(choose(&c, job, err));
+    NEED(put_all(&c, job, page, err));
+    write_caption(&c, job, iso_page_caption(page));
+    return ISO_OK;
 }
 
 const iso_figure_info iso_figure_tf = {
