@@ -33,14 +33,11 @@ static iso_status exact_lock_step(iso_validation *v, size_t level, const iso_tru
     snprintf(what, sizeof what, "%s-lockstep-exact", renderer->name);
     iso_validate_begin_row(v, level, what);
     opt.exact_lookups = true;
-    iso_status status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt,
-                                                              v->progress},
-                                        &image, NULL, err);
-    if (status == ISO_OK)
-        status = iso_validate_add_row(v, level, &row, same,
-                                      &(iso_compared){what, &image, renderer, " --exact-lookups", 0}, err);
-    *holds = status == ISO_OK && iso_metrics_within(&row.metrics, &row.tolerances);
-    return status;
+    NEED(iso_validate_render(v, level, &opt, &image, err));
+    NEED(iso_validate_add_row(v, level, &row, same, &(iso_compared){what, &image, renderer, " --exact-lookups", 0},
+                              err));
+    *holds = iso_metrics_within(&row.metrics, &row.tolerances);
+    return ISO_OK;
 }
 
 static iso_status rounding_bound(const iso_validation *v, size_t level, const iso_render_options *opt,
@@ -56,11 +53,11 @@ static iso_status allow_rounding(const iso_validation *v, size_t level, const is
 {
     const iso_lock_step *lock = opt->renderer->lock_step;
     iso_sample_error most;
-    const iso_status status = rounding_bound(v, level, opt, &most, err);
+    NEED(rounding_bound(v, level, opt, &most, err));
     row->tolerances = (iso_tolerances){.rmse = fmax(lock->rounded.rmse, most.rmse),
                                        .max_abs = fmax(lock->rounded.max_abs, most.max_abs)};
     row->why = lock->rounded_why;
-    return status;
+    return ISO_OK;
 }
 
 /* Widens the limits that a picture of rays in single precision exceeds by what its rounding may change. The others
@@ -92,19 +89,18 @@ static iso_status add_lock_step(iso_validation *v, size_t level, iso_report_agre
     bool holds = false;
     if (row->refused)
         return iso_validate_add_row(v, level, row, same, with, err);
-    iso_status status = iso_metrics_measure(&same->image, with->image, &seen, err);
+    NEED(iso_metrics_measure(&same->image, with->image, &seen, err));
     const bool first = has_exact && !iso_metrics_within(&seen, &row->tolerances);
-    if (status == ISO_OK && first)
-        status = exact_lock_step(v, level, same, *opt, &holds, err);
+    if (first)
+        NEED(exact_lock_step(v, level, same, *opt, &holds, err));
     v->row_start = start;
-    if (status == ISO_OK && holds)
-        status = allow_rounding(v, level, opt, row, err);
-    if (status == ISO_OK && lock->float_rays && !iso_metrics_within(&seen, &row->tolerances))
-        status = allow_float_rays(v, level, opt, &seen, row, err);
-    TRY(status, iso_validate_add_row(v, level, row, same, with, err));
-    if (status == ISO_OK && has_exact && !first && v->scene->agreement.sharp)
-        status = exact_lock_step(v, level, same, *opt, &holds, err);
-    return status;
+    if (holds)
+        NEED(allow_rounding(v, level, opt, row, err));
+    if (lock->float_rays && !iso_metrics_within(&seen, &row->tolerances))
+        NEED(allow_float_rays(v, level, opt, &seen, row, err));
+    NEED(iso_validate_add_row(v, level, row, same, with, err));
+    return has_exact && !first && v->scene->agreement.sharp ? exact_lock_step(v, level, same, *opt, &holds, err)
+                                                            : ISO_OK;
 }
 
 /* Images rounded to 8 bits are compared if the reference shows ten times the rounding error: a hundred times would be
@@ -124,9 +120,9 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
     const iso_lock_step *lock = renderer->lock_step;
     const bool exported = iso_renderer_has(renderer, ISO_IS_PROGRAM),
                stated = lock->quadrature == ISO_QUADRATURE_CONVERGED;
-    iso_truth same = {.name = stated ? "reference" : "reference, same samples"};
+    OWNED(iso_truth) same = {.name = stated ? "reference" : "reference, same samples"};
     char what[64], reference[80], options[64] = "", why[512];
-    iso_image image = {0};
+    OWNED(iso_image) image = {0};
     iso_error failure = {""};
     iso_render_options opt = iso_render_defaults(renderer);
     iso_report_agreement row = {.comparison = stated ? ISO_COMPARISON_STATED : ISO_COMPARISON_LOCK_STEP,
@@ -145,26 +141,18 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
         snprintf(options, sizeof options, " --intervals %zu", lock->intervals);
     snprintf(reference, sizeof reference, "reference-%s", what);
     iso_validate_name_image(v, level, reference, same.image_name);
-    iso_status status = iso_validate_render_reference(v, level, lock->quadrature, lock->intervals,
-                                                      exported ? iso_validate_exported_source(v) : v->source,
-                                                      &same.image, err);
-    if (status == ISO_OK && renderer->output.most > 0 && iso_image_clip(&same.image, (float)renderer->output.most))
+    NEED(iso_validate_render_reference(v, level, lock->quadrature, lock->intervals,
+                                       exported ? iso_validate_exported_source(v) : v->source, &same.image, err));
+    if (renderer->output.most > 0 && iso_image_clip(&same.image, (float)renderer->output.most))
         same.name = stated ? "reference, clipped" : "reference, same samples, clipped";
-    TRY(status, iso_validate_add_image(v, same.image_name, &same.image, same.name, err));
-    const bool begun = status == ISO_OK;
-    if (begun)
-        status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress},
-                                 &image, NULL, &failure);
-    if (begun && status != ISO_OK)
-        status = iso_validate_refuse_failed(v, level, row, same.name, renderer, status, &failure, err);
-    else if (status == ISO_OK)
-        status = add_lock_step(v, level, &row, &same,
-                               &(iso_compared){what, &image, renderer, options,
-                                               stated ? row.tolerances.rmse * STATED_SIGNAL / ISO_SIGNAL_FACTOR : 0},
-                               &opt, err);
-    iso_image_destroy(&same.image);
-    iso_image_destroy(&image);
-    return status;
+    NEED(iso_validate_add_image(v, same.image_name, &same.image, same.name, err));
+    const iso_status status = iso_validate_render(v, level, &opt, &image, &failure);
+    if (status != ISO_OK)
+        return iso_validate_refuse_failed(v, level, row, same.name, renderer, status, &failure, err);
+    return add_lock_step(v, level, &row, &same,
+                         &(iso_compared){what, &image, renderer, options,
+                                         stated ? row.tolerances.rmse * STATED_SIGNAL / ISO_SIGNAL_FACTOR : 0},
+                         &opt, err);
 }
 
 /* ---- first hits ---- */
@@ -172,7 +160,7 @@ static iso_status lock_step(iso_validation *v, size_t level, const iso_renderer_
 static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
 {
     const iso_level *l0 = &v->pyramid->levels[0];
-    iso_truth a = {.name = "reference, first hit"};
+    OWNED(iso_truth) a = {.name = "reference, first hit"};
     iso_render_options opt = iso_render_defaults(iso_renderers_reference());
     char options[64], why[512];
     opt.isosurface = true;
@@ -181,12 +169,10 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
     opt.source = iso_validate_exported_source(v);
     iso_validate_name_image(v, level, "reference", a.image_name);
     iso_validate_begin_row(v, level, a.name);
-    iso_status status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt,
-                                                              v->progress},
-                                        &a.image, NULL, err);
-    TRY(status, iso_validate_add_image(v, a.image_name, &a.image, a.name, err));
+    NEED(iso_validate_render(v, level, &opt, &a.image, err));
+    NEED(iso_validate_add_image(v, a.image_name, &a.image, a.name, err));
     snprintf(options, sizeof options, " --isosurface %.9g", opt.iso);
-    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < iso_renderer_count(); ++i) {
         OWNED(iso_image) image = {0};
         /* A ray that grazes the surface hits it in one arithmetic and misses it in another: a few pixels may. */
         const iso_renderer_info *renderer = iso_renderer_at(i);
@@ -198,22 +184,20 @@ static iso_status first_hits(iso_validation *v, size_t level, iso_error *err)
         if (renderer == iso_renderers_reference() || !v->wanted[i])
             continue;
         if (iso_validate_cannot_compare(v, renderer, &row, why)) {
-            status = iso_validate_add_without_images(v, level, row, a.name, renderer, err);
+            NEED(iso_validate_add_without_images(v, level, row, a.name, renderer, err));
             continue;
         }
         iso_error failure = {""};
         opt.renderer = renderer;
         iso_validate_begin_row(v, level, renderer->name);
-        status = iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress},
-                                 &image, NULL, &failure);
+        const iso_status status = iso_validate_render(v, level, &opt, &image, &failure);
         if (status != ISO_OK)
-            status = iso_validate_refuse_failed(v, level, row, a.name, renderer, status, &failure, err);
+            NEED(iso_validate_refuse_failed(v, level, row, a.name, renderer, status, &failure, err));
         else
-            status = iso_validate_add_row(v, level, &row, &a,
-                                          &(iso_compared){renderer->name, &image, renderer, options, 0}, err);
+            NEED(iso_validate_add_row(v, level, &row, &a, &(iso_compared){renderer->name, &image, renderer, options, 0},
+                                      err));
     }
-    iso_image_destroy(&a.image);
-    return status;
+    return ISO_OK;
 }
 
 /* True if renderer i takes part in this row's directions and transfer function. Pictures that were made elsewhere show
@@ -228,14 +212,14 @@ static bool takes_part(const iso_validation *v, size_t i, bool programs)
 /* Compares every wanted renderer whose samples are known. programs: false leaves out renderers outside this process. */
 static iso_status lock_steps(iso_validation *v, size_t level, bool programs, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < iso_renderer_count(); ++i) {
         if (!iso_renderer_at(i)->lock_step || !takes_part(v, i, programs))
             continue;
-        status = lock_step(v, level, iso_renderer_at(i), err);
+        const iso_status status = lock_step(v, level, iso_renderer_at(i), err);
         iso_validate_end_row(v, iso_renderer_at(i), false);
+        NEED(status);
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status agree_at(iso_validation *v, size_t level, void *unused, iso_error *err)
@@ -262,20 +246,18 @@ iso_status iso_validate_variant(iso_validation *v, size_t level, iso_error *err)
 {
     /* At level 0 all filters store the same directions. */
     const bool programs = v->source == ISO_FROM_CODES && level > 0 && !v->quick;
-    iso_level_truths t = {.differ = false};
-    iso_status status = lock_steps(v, level, programs, err);
-    for (size_t i = 0; i < iso_renderer_count() && status == ISO_OK; ++i) {
+    OWNED(iso_level_truths) t = {.differ = false};
+    NEED(lock_steps(v, level, programs, err));
+    for (size_t i = 0; i < iso_renderer_count(); ++i) {
         const iso_renderer_info *renderer = iso_renderer_at(i);
         if (renderer->lock_step || !iso_renderer_has(renderer, ISO_HAS_LIMIT) || !takes_part(v, i, programs))
             continue;
         t.main.name = t.exported.name = "reference";
         if (!t.main.image.rgba && !iso_validate_is_out_of_time(v))
-            status = iso_validate_find_truths(v, level, &t, err);
-        TRY(status, iso_validate_compare_limit(v, level, renderer, &t, NULL, err));
+            NEED(iso_validate_find_truths(v, level, &t, err));
+        NEED(iso_validate_compare_limit(v, level, renderer, &t, NULL, err));
     }
-    iso_image_destroy(&t.main.image);
-    iso_image_destroy(&t.exported.image);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_validate_agreement(iso_validation *v, iso_error *err)

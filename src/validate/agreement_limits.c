@@ -121,13 +121,11 @@ static iso_status compare_limits(iso_validation *v, size_t level, const iso_leve
 iso_status iso_validate_limits_at(iso_validation *v, size_t level, iso_error *err)
 {
     const iso_view *whole = v->view, small = iso_validate_small_view(whole, v->limit_size);
-    iso_level_truths t = {.differ = false};
+    OWNED(iso_level_truths) t = {.differ = false};
     v->view = &small;
     t.main.name = t.exported.name = "reference";
     iso_status status = iso_validate_is_out_of_time(v) ? ISO_OK : iso_validate_find_truths(v, level, &t, err);
     TRY(status, compare_limits(v, level, &t, err));
     v->view = whole;
-    iso_image_destroy(&t.main.image);
-    iso_image_destroy(&t.exported.image);
     return status;
 }

@@ -67,13 +67,13 @@ static iso_status ask_for_a_signal(const iso_validation *v, const iso_truth *a, 
         row->why = "the formula says that nothing is shown, so the image has to be the background in every bit";
         return ISO_OK;
     }
-    iso_status status = iso_signal_of(&a->image, v->view->background, limit, measure, &row->signal, err);
-    if (status == ISO_OK && !iso_signal_suffices(&row->signal)) {
+    NEED(iso_signal_of(&a->image, v->view->background, limit, measure, &row->signal, err));
+    if (!iso_signal_suffices(&row->signal)) {
         iso_signal_explain(&row->signal, why, 512);
         row->uncompared = ISO_UNCOMPARED_FAINT;
         row->uncompared_why = why;
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Adds a row with its image b and the shared data; *row has its comparison, tier, tolerances and gates. */
@@ -92,15 +92,14 @@ iso_status iso_validate_add_row(iso_validation *v, size_t level, iso_report_agre
     row->a = row->a ? row->a : a->name;
     row->image_a = a->image_name;
     row->image_b = name;
-    iso_status status = iso_validate_add_image(v, name, b, caption, err);
-    TRY(status, iso_metrics_measure(&a->image, b, &row->metrics, err));
-    TRY(status, ask_for_a_signal(v, a, with, row, faint, err));
-    char *command = iso_validate_reproduce(v, level, with->renderer, with->options, a->image_name, &row->tolerances);
+    NEED(iso_validate_add_image(v, name, b, caption, err));
+    NEED(iso_metrics_measure(&a->image, b, &row->metrics, err));
+    NEED(ask_for_a_signal(v, a, with, row, faint, err));
+    FREED char *command = iso_validate_reproduce(v, level, with->renderer, with->options, a->image_name,
+                                                 &row->tolerances);
     row->command = command;
     row->seconds = iso_clock_seconds() - v->row_start;
-    TRY(status, iso_report_add_agreement(v->report, row, err));
-    free(command);
-    return status;
+    return iso_report_add_agreement(v->report, row, err);
 }
 
 /* True if nothing can be compared: the renderer is missing, failed its calibration or lacks a feature of the scene, or
@@ -170,6 +169,13 @@ iso_status iso_validate_refuse_failed(iso_validation *v, size_t level, iso_repor
 
 /* ---- truths ---- */
 
+iso_status iso_validate_render(iso_validation *v, size_t level, const iso_render_options *opt, iso_image *image,
+                               iso_error *err)
+{
+    return iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, opt, v->progress}, image,
+                           NULL, err);
+}
+
 /* Renders the reference. intervals: of a quadrature that has them. */
 iso_status iso_validate_render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, size_t intervals,
                                          iso_direction_source source, iso_image *image, iso_error *err)
@@ -181,8 +187,7 @@ iso_status iso_validate_render_reference(iso_validation *v, size_t level, iso_qu
     opt.intervals = intervals;
     opt.threads = v->threads;
     opt.stats = &stats;
-    NEED(iso_render_with(&(iso_render_request){&v->renderers, v->pyramid, level, v->view, &opt, v->progress}, image,
-                         NULL, err));
+    NEED(iso_validate_render(v, level, &opt, image, err));
     if (stats.error > 0) {
         char name[96];
         iso_validate_name_image(v, level, iso_direction_source_name(source), name);
@@ -216,7 +221,6 @@ bool iso_validate_has_no_formula(const iso_validation *v, size_t level, iso_erro
 iso_status iso_validate_find_truths(iso_validation *v, size_t level, iso_level_truths *t, iso_error *err)
 {
     const bool formula = v->scene->agreement.tier == ISO_TIER_CLOSED_FORM;
-    iso_status status;
     *t = (iso_level_truths){.main = {.name = formula ? "closed form" : "reference"},
                             .exported = {.name = "reference, decoded"}};
     t->differ = !formula && iso_validate_exported_source(v) != ISO_FROM_CODES;
@@ -225,17 +229,15 @@ iso_status iso_validate_find_truths(iso_validation *v, size_t level, iso_level_t
     iso_validate_begin_row(v, level, t->main.name);
     iso_validate_name_image(v, level, formula ? "closed-form" : "reference", t->main.image_name);
     iso_validate_name_image(v, level, "reference-decoded", t->exported.image_name);
-    if (formula)
-        status = iso_closed_form_render(&v->pyramid->levels[level], v->pyramid->options.code, v->view, &t->main.image,
-                                        err);
-    else
-        status = iso_validate_render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &t->main.image,
-                                               err);
-    TRY(status, iso_validate_add_image(v, t->main.image_name, &t->main.image, t->main.name, err));
-    if (status == ISO_OK && t->differ)
-        status = iso_validate_render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_DECODED,
-                                               &t->exported.image, err);
-    if (status == ISO_OK && t->differ)
-        status = iso_validate_add_image(v, t->exported.image_name, &t->exported.image, t->exported.name, err);
-    return status == ISO_OK && formula ? check_reference(v, level, &t->main, err) : status;
+    NEED(formula ? iso_closed_form_render(&v->pyramid->levels[level], v->pyramid->options.code, v->view, &t->main.image,
+                                          err)
+                 : iso_validate_render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_CODES, &t->main.image,
+                                                 err));
+    NEED(iso_validate_add_image(v, t->main.image_name, &t->main.image, t->main.name, err));
+    if (t->differ) {
+        NEED(iso_validate_render_reference(v, level, ISO_QUADRATURE_CONVERGED, 0, ISO_FROM_DECODED, &t->exported.image,
+                                           err));
+        NEED(iso_validate_add_image(v, t->exported.image_name, &t->exported.image, t->exported.name, err));
+    }
+    return formula ? check_reference(v, level, &t->main, err) : ISO_OK;
 }

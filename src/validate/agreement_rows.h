@@ -18,6 +18,17 @@ typedef struct iso_level_truths {
     bool differ;
 } iso_level_truths;
 
+static inline void iso_truth_destroy(iso_truth *t)
+{
+    iso_image_destroy(&t->image);
+}
+
+static inline void iso_level_truths_destroy(iso_level_truths *t)
+{
+    iso_truth_destroy(&t->main);
+    iso_truth_destroy(&t->exported);
+}
+
 /* An image that is compared with a truth, and its renderer. */
 typedef struct iso_compared {
     const char *what; /* in the image's name */
@@ -52,6 +63,9 @@ iso_status iso_validate_refuse_failed(iso_validation *v, size_t level, iso_repor
                                       const iso_renderer_info *renderer, iso_status status, const iso_error *why,
                                       iso_error *err);
 
+/* Renders the view of the validation. */
+iso_status iso_validate_render(iso_validation *v, size_t level, const iso_render_options *opt, iso_image *image,
+                               iso_error *err);
 /* Renders the reference. intervals: of a quadrature that has them. */
 iso_status iso_validate_render_reference(iso_validation *v, size_t level, iso_quadrature quadrature, size_t intervals,
                                          iso_direction_source source, iso_image *image, iso_error *err);
