@@ -25,14 +25,8 @@ static iso_status view_of_level(const iso_export_job *job, size_t level, iso_vie
     const iso_export_options *o = l->given;
     /* Levels as fine as the region do not need it, except the last, which it is checked for. */
     const bool has_region = o->region && (level > o->region->level || level + 1 == o->level + o->level_count);
-    const iso_library_look shown = {l->scene,
-                                    o->tf,
-                                    o->width,
-                                    o->height,
-                                    o->adapt,
-                                    o->extinction_scale,
-                                    has_region ? o->region : NULL,
-                                    o->threads};
+    const iso_library_look shown = {
+        l->scene, o->tf, o->width, o->height, o->adapt, o->extinction_scale, has_region ? o->region : NULL, o->threads};
     return iso_library_view(&shown, job->pyramid, level, view, err);
 }
 
@@ -73,8 +67,9 @@ static iso_status check_options(const iso_export_target *t, const iso_scene *sce
         return iso_fail(err, ISO_E_USAGE, "%s is made for a scene, and there is none",
                         o->plan ? "a plan" : "an extinction scale");
     if (o->plan && (o->level > 0 || o->level_count > 1 || o->adapt || o->extinction_scale || o->region))
-        return iso_fail(err, ISO_E_USAGE, "a plan fixes the levels: it excludes level, level_count, adapt, "
-                                          "extinction_scale and region");
+        return iso_fail(err, ISO_E_USAGE,
+                        "a plan fixes the levels: it excludes level, level_count, adapt, "
+                        "extinction_scale and region");
     return ISO_OK;
 }
 
@@ -132,20 +127,17 @@ iso_status iso_export(const iso_pyramid *pyramid, const iso_scene *scene, const 
 iso_status iso_export_bytes(const iso_pyramid *pyramid, const iso_scene *scene, const char *target,
                             const iso_export_options *options, unsigned char **bytes, size_t *size, iso_error *err)
 {
-    const bool is_file = strcmp(target, "vdb") == 0 || strcmp(target, "nanovdb") == 0;
-    char *data = NULL;
-    FREED char *dir = NULL, *path = NULL;
     *bytes = NULL;
     *size = 0;
-    if (!is_file)
+    if (strcmp(target, "vdb") != 0 && strcmp(target, "nanovdb") != 0)
         return iso_fail(err, ISO_E_USAGE, "target is \"%s\", must be vdb or nanovdb, which are one file", target);
-    iso_status status = (dir = iso_make_temp_dir()) ? ISO_OK : iso_temp_dir_fail(err);
-    if (dir && !(path = iso_path_join(dir, target[0] == 'v' ? "grids.vdb" : "grids.nvdb")))
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_export(pyramid, scene, target, path, options, err));
-    TRY(status, iso_file_read(path, &data, size, err));
+    ENDED_BY(iso_end_temp_dir) char *dir = iso_make_temp_dir();
+    if (!dir)
+        return iso_temp_dir_fail(err);
+    FREED char *path = iso_path_join(dir, target[0] == 'v' ? "grids.vdb" : "grids.nvdb");
+    char *data = NULL;
+    NEED(path ? iso_export(pyramid, scene, target, path, options, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    NEED(iso_file_read(path, &data, size, err));
     *bytes = (unsigned char *)data;
-    if (dir)
-        iso_remove_tree(dir);
-    return status;
+    return ISO_OK;
 }

@@ -19,8 +19,8 @@ static iso_viewer viewer_of(const iso_pyramid *p, const iso_scene *scene, const 
     iso_viewer v = {.pyramid = p,
                     .scene = scene,
                     .title = o->title ? o->title : "volume",
-                    .first = iso_viewer_finest_level(p, o->most_voxels ? (double)o->most_voxels
-                                                                       : ISO_VIEWER_MOST_VOXELS),
+                    .first = iso_viewer_finest_level(p,
+                                                     o->most_voxels ? (double)o->most_voxels : ISO_VIEWER_MOST_VOXELS),
                     .compact = o->compact,
                     .code_count = 1,
                     .codes = {p->options.code},
@@ -34,15 +34,12 @@ static iso_status make_page(const iso_viewer *v, const iso_progress *progress, c
 {
     iso_viewer_size size;
     size_t bytes;
-    FREED char *dir = iso_make_temp_dir(), *path = dir ? iso_path_join(dir, "page.html") : NULL;
-    iso_status status = dir ? ISO_OK : iso_temp_dir_fail(err);
-    if (status == ISO_OK && !path)
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_viewer_save(v, path, progress, &size, err));
-    TRY(status, iso_file_read(path, html, &bytes, err));
-    if (dir)
-        iso_remove_tree(dir);
-    return status;
+    ENDED_BY(iso_end_temp_dir) char *dir = iso_make_temp_dir();
+    if (!dir)
+        return iso_temp_dir_fail(err);
+    FREED char *path = iso_path_join(dir, "page.html");
+    NEED(path ? iso_viewer_save(v, path, progress, &size, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    return iso_file_read(path, html, &bytes, err);
 }
 
 iso_status iso_view_page(const iso_pyramid *pyramid, const iso_scene *scene, const iso_page_options *options,

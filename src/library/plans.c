@@ -44,17 +44,13 @@ static iso_status take_result(const iso_planner *p, double error, iso_plan_resul
 static iso_status search(const iso_pyramid *pyramid, const iso_plan_options *o, const iso_view *views,
                          const iso_progress *progress, iso_plan_result *plan, iso_error *err)
 {
-    iso_node_levels nodes = {0};
-    iso_planner planner = {0};
+    OWNED(iso_node_levels) nodes = {0};
+    OWNED(iso_planner) planner = {0};
     NEED(iso_node_levels_begin(&nodes, &pyramid->levels[0], o->brick_voxels, o->levels, o->threads, err));
-    iso_status status = iso_planner_create(&planner, &nodes,
-                                           &(iso_planner_options){views, o->views, ISO_FACES_BAKED, o->threads},
-                                           progress, err);
-    TRY(status, iso_planner_search(&planner, o->error, o->memory_bytes, progress, err));
-    TRY(status, take_result(&planner, o->error, plan, err));
-    iso_planner_destroy(&planner);
-    iso_node_levels_destroy(&nodes);
-    return status;
+    NEED(iso_planner_create(&planner, &nodes, &(iso_planner_options){views, o->views, ISO_FACES_BAKED, o->threads},
+                            progress, err));
+    NEED(iso_planner_search(&planner, o->error, o->memory_bytes, progress, err));
+    return take_result(&planner, o->error, plan, err);
 }
 
 iso_status iso_plan(const iso_pyramid *pyramid, const iso_scene *scene, const iso_plan_options *options,

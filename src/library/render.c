@@ -38,21 +38,19 @@ static iso_status check_for_renderer(const iso_renderer_info *r, const iso_frame
 static iso_status take_options(const iso_frame_options *given, iso_render_options *o, iso_error *err)
 {
     const iso_renderer_info *renderer = iso_renderers_reference();
-    iso_status status = check_limits(given, err);
-    if (status == ISO_OK && given->renderer)
-        status = iso_renderer_from_name(given->renderer, &renderer, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(check_limits(given, err));
+    if (given->renderer)
+        NEED(iso_renderer_from_name(given->renderer, &renderer, err));
     *o = iso_render_defaults(renderer);
     if (given->shading)
-        status = iso_direction_source_from_name(given->shading, &o->source, err);
+        NEED(iso_direction_source_from_name(given->shading, &o->source, err));
     o->step_voxels = given->step_voxels;
     if (o->step_voxels > 0 && o->quadrature == ISO_QUADRATURE_CONVERGED)
         o->quadrature = ISO_QUADRATURE_MIDPOINT;
     o->samples = given->samples;
     o->seed = given->seed;
     o->threads = given->threads;
-    return status == ISO_OK ? check_for_renderer(renderer, given, o, err) : status;
+    return check_for_renderer(renderer, given, o, err);
 }
 
 iso_status iso_render(const iso_pyramid *pyramid, const iso_scene *scene, const iso_frame_options *options,

@@ -113,20 +113,15 @@ iso_status iso_scene_set(iso_scene *scene, const char *json, iso_error *err)
 {
     json_auto_t *by = NULL;
     iso_scene changed = {0};
-    iso_status status = iso_json_of_text(json, no_file, &by, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_json_of_text(json, no_file, &by, err));
     json_auto_t *root = iso_json_of_scene(scene);
     if (!root)
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (root)
-        change(root, by);
-    TRY(status, iso_scene_from_json(root, no_file, &changed, err));
-    if (status == ISO_OK) {
-        iso_scene_destroy(scene);
-        *scene = changed;
-    }
-    return status;
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    change(root, by);
+    NEED(iso_scene_from_json(root, no_file, &changed, err));
+    iso_scene_destroy(scene);
+    *scene = changed;
+    return ISO_OK;
 }
 
 iso_status iso_scene_set_tf(iso_scene *scene, const iso_tf *tf, iso_error *err)
@@ -238,8 +233,9 @@ iso_status iso_library_view(const iso_library_look *look, const iso_pyramid *p, 
     const bool has_own = level > 0 && p->levels[level].is_optimized && p->levels[level].scale;
     const bool scales = (look->extinction_scale || has_own) && !found && level > 0;
     if (scales && p->levels[level].geometry.has_no_data)
-        return iso_fail(err, ISO_E_RANGE, "some voxels have no data, and the share that has scales the extinction of "
-                                          "coarse levels; ask for no extinction scale");
+        return iso_fail(err, ISO_E_RANGE,
+                        "some voxels have no data, and the share that has scales the extinction of "
+                        "coarse levels; ask for no extinction scale");
     if (scales)
         NEED(iso_tf_table_copy(&view->tf, &original, err));
     if (look->adapt && !found && level > 0)

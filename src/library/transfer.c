@@ -87,18 +87,15 @@ static iso_status tabulate(const iso_tf *tf, const iso_pyramid *p, iso_tf_table 
 iso_status iso_tf_adapt(const iso_tf *tf, const iso_pyramid *pyramid, size_t level, iso_tf **adapted, iso_error *err)
 {
     const iso_adapt_options o = iso_adapt_defaults();
-    iso_tf_table original = {0}, table = {0};
+    OWNED(iso_tf_table) original = {0}, table = {0};
     iso_tf made;
     *adapted = NULL;
-    iso_status status = iso_pyramid_check_level(pyramid, NULL, level, err);
-    if (status == ISO_OK && level == 0)
+    NEED(iso_pyramid_check_level(pyramid, NULL, level, err));
+    if (level == 0)
         return keep(iso_tf_copy(tf, &made, err), &made, adapted, err);
-    TRY(status, tabulate(tf, pyramid, &original, err));
-    TRY(status, iso_adapt_level(pyramid, level, &original, &o, &table, NULL, err));
-    TRY(status, keep(iso_tf_from_table(&table, &made, err), &made, adapted, err));
-    iso_tf_table_destroy(&original);
-    iso_tf_table_destroy(&table);
-    return status;
+    NEED(tabulate(tf, pyramid, &original, err));
+    NEED(iso_adapt_level(pyramid, level, &original, &o, &table, NULL, err));
+    return keep(iso_tf_from_table(&table, &made, err), &made, adapted, err);
 }
 
 iso_status iso_tf_evaluate(const iso_tf *tf, const iso_pyramid *pyramid, const double *values, size_t count,

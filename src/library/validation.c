@@ -61,8 +61,10 @@ static void take_line(void *user, const char *line)
 static iso_status run(job *j, const char *const *arguments, int *code, iso_error *err)
 {
     iso_process_outcome outcome = {.exit_code = -1};
-    const iso_process_options options = {
-        .sandbox = {.kind = ISO_SANDBOX_NONE}, .line = take_line, .user = j, .outcome = &outcome};
+    const iso_process_options options = {.sandbox = {.kind = ISO_SANDBOX_NONE},
+                                         .line = take_line,
+                                         .user = j,
+                                         .outcome = &outcome};
     iso_error why = {""};
     j->sentence[0] = j->complaint[0] = 0;
     const iso_status status = iso_process_run(arguments, &options, &why);
@@ -100,27 +102,25 @@ static iso_status check(const iso_validate_options *o, iso_error *err)
 static iso_status read_floats(const char *folder, const char *name, size_t count, char **all, const float **floats,
                               iso_error *err)
 {
-    FREED char *path = iso_path_join(folder, name);
+    FREED char *path = iso_path_join(folder, name), *text = NULL;
     size_t size = 0;
-    iso_status status = path ? iso_file_read(path, all, &size, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    const char *end = status == ISO_OK ? memmem(*all, size, "\n\n", 2) : NULL;
-    if (status == ISO_OK && (!end || (size_t)(*all + size - end) - 2 != count * sizeof **floats))
-        status = iso_fail(err, ISO_E_PROGRAM, "%s: does not hold %zu floats", path, count);
-    float *copy = status == ISO_OK ? malloc(count * sizeof *copy) : NULL; /* aligned */
-    if (status == ISO_OK && !copy)
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (copy)
-        memcpy(copy, end + 2, count * sizeof *copy);
-    free(*all);
+    NEED(path ? iso_file_read(path, &text, &size, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    const char *end = memmem(text, size, "\n\n", 2);
+    if (!end || (size_t)(text + size - end) - 2 != count * sizeof **floats)
+        return iso_fail(err, ISO_E_PROGRAM, "%s: does not hold %zu floats", path, count);
+    float *copy = malloc(count * sizeof *copy); /* aligned */
+    if (!copy)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    memcpy(copy, end + 2, count * sizeof *copy);
     *all = (char *)copy;
     *floats = copy;
-    return status;
+    return ISO_OK;
 }
 
 static iso_status unpack_grid(const json_t *volume, iso_grid *grid, iso_error *err)
 {
     json_int_t n[3];
-    double (*m)[4] = grid->index_to_world, lo;
+    double(*m)[4] = grid->index_to_world, lo;
     json_error_t why;
     *grid = (iso_grid){.size = {0}};
     if (json_unpack_ex((json_t *)volume, &why, 0, "{s:[I,I,I], s:[[F,F,F,F],[F,F,F,F],[F,F,F,F]], s:[[F,F,F],[F,F,F]]}",
@@ -137,17 +137,14 @@ static iso_status unpack_grid(const json_t *volume, iso_grid *grid, iso_error *e
 static iso_status draw(const iso_own_renderer *own, const iso_frame_request *request, const char *folder,
                        const char *file, iso_error *err)
 {
-    iso_image image;
+    OWNED(iso_image) image = {0};
     FREED char *path = iso_path_join(folder, file);
-    iso_status status = path ? iso_image_create(&image, request->width, request->height, err)
-                             : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK && !own->render(own->user, request, image.rgba))
-        status = iso_fail(err, ISO_E_PROGRAM, "renderer %s did not draw %s at level %zu", own->name, request->scene,
-                          request->level);
-    TRY(status, iso_image_save_exr(&image, path, NULL, err));
-    if (path)
-        iso_image_destroy(&image);
-    return status;
+    NEED(path ? iso_image_create(&image, request->width, request->height, err)
+              : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    if (!own->render(own->user, request, image.rgba))
+        return iso_fail(err, ISO_E_PROGRAM, "renderer %s did not draw %s at level %zu", own->name, request->scene,
+                        request->level);
+    return iso_image_save_exr(&image, path, NULL, err);
 }
 
 /* Draws all pictures of a request. */
@@ -204,8 +201,8 @@ static iso_status draw_all(job *j, const iso_own_renderer *own, const char *fold
 static iso_status make_pictures(job *j, const iso_own_renderer *own, const char *folder, iso_error *err)
 {
     int code;
-    const char *const arguments[] = {j->program, "scenes",  j->volume, "--scene", j->scene, "--levels", j->levels,
-                                     "--steps",  j->steps,  "--write", folder,    "--quiet", NULL};
+    const char *const arguments[] = {j->program, "scenes", j->volume, "--scene", j->scene,  "--levels", j->levels,
+                                     "--steps",  j->steps, "--write", folder,    "--quiet", NULL};
     NEED(run(j, arguments, &code, err));
     return draw_all(j, own, folder, err);
 }
