@@ -36,37 +36,27 @@ static void print_case(const iso_atlas_case *c, const iso_atlas_result *r)
            r->values[ISO_ATLAS_FALLBACK], iso_atlas_measure(c), iso_atlas_is_valid(c, r) ? "" : "  (out of date)");
 }
 
-/* Expects one stage per case. */
-static void expect_cases(const iso_cli *cli, const bool *wanted)
-{
-    for (size_t i = 0; i < iso_atlas_case_count; ++i)
-        if (wanted[i])
-            iso_cli_expect(cli, &(iso_cli_stage){iso_atlas_cases[i].id, 1}, 1);
-}
-
 static iso_status make_cases(const iso_cli *cli, const bool *wanted, iso_atlas_page *page, size_t *fallen,
                              iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
-    iso_status status = ISO_OK;
-    expect_cases(cli, wanted);
-    for (size_t i = 0; i < iso_atlas_case_count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < iso_atlas_case_count; ++i)
+        if (wanted[i])
+            iso_cli_expect(cli, &(iso_cli_stage){iso_atlas_cases[i].id, 1}, 1);
+    for (size_t i = 0; i < iso_atlas_case_count; ++i) {
         const iso_atlas_case *c = &iso_atlas_cases[i];
-        iso_atlas_result r;
+        ENDED_BY(iso_atlas_clear) iso_atlas_result r = {0};
         if (!wanted[i])
             continue;
         iso_progress_report(&progress, c->id, 0);
-        status = iso_atlas_run(c, &r, err);
-        if (status != ISO_OK)
-            break;
-        status = iso_atlas_page_add(page, c, &r, err);
+        NEED(iso_atlas_run(c, &r, err));
+        NEED(iso_atlas_page_add(page, c, &r, err));
         *fallen += !iso_atlas_is_valid(c, &r);
         iso_progress_line_hide(cli->progress);
         if (!cli->json)
             print_case(c, &r);
-        iso_atlas_clear(&r);
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status write_page(const char *dir, const json_t *root, const char *sections, iso_error *err)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_build.c - builds the pyramid of a volume. */
 #define _GNU_SOURCE
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,15 +9,22 @@
 #include "base/file.h"
 #include "base/json.h"
 #include "base/parallel.h"
-#include "cli/build_for.h"
+#include "base/provenance.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
+#include "options/visible.h"
+#include "plan/optimize.h"
+#include "plan/scene_levels.h"
 #include "pyramid/agreement.h"
+#include "pyramid/pyramid.h"
 #include "pyramid/pyramid_stream.h"
+#include "scene/scene.h"
+#include "scene/subject.h"
 #include "tf/presets.h"
 #include "volume/format.h"
 #include "volume/frames_all.h"
+#include "volume/input.h"
 
 typedef struct build_options {
     char *output, *estimator, *scalar_filter, *direction_filter, *code, *scene, *frames, *effort; /* scene: --for */
@@ -40,21 +48,18 @@ static iso_status to_pyramid_options(const build_options *in, const iso_cli *cli
                                      iso_error *err)
 {
     *out = iso_pyramid_defaults();
-    iso_status status = ISO_OK;
     if (in->is_auto) {
         out->scalar_filter = ISO_SCALAR_DAMPED;
         out->direction_filter = ISO_DIRECTION_AUTO;
     }
-    if (status == ISO_OK && in->estimator)
-        status = iso_gradient_from_name(in->estimator, &out->gradient.method, err);
-    if (status == ISO_OK && in->scalar_filter)
-        status = iso_scalar_filter_from_name(in->scalar_filter, &out->scalar_filter, err);
-    if (status == ISO_OK && in->direction_filter)
-        status = iso_direction_filter_from_name(in->direction_filter, &out->direction_filter, err);
-    if (status == ISO_OK && in->code)
-        status = iso_code_from_name(in->code, &out->code, err);
-    if (status != ISO_OK)
-        return status;
+    if (in->estimator)
+        NEED(iso_gradient_from_name(in->estimator, &out->gradient.method, err));
+    if (in->scalar_filter)
+        NEED(iso_scalar_filter_from_name(in->scalar_filter, &out->scalar_filter, err));
+    if (in->direction_filter)
+        NEED(iso_direction_filter_from_name(in->direction_filter, &out->direction_filter, err));
+    if (in->code)
+        NEED(iso_code_from_name(in->code, &out->code, err));
     out->level_count = (size_t)in->levels;
     out->gauss_radius = (size_t)in->gauss_radius;
     out->eq1_exponent = (size_t)in->eq1_exponent;
@@ -162,25 +167,23 @@ static iso_status build_one(const build_job *job, const iso_pyramid_options *opt
                                        .ranks = job->ranks};
     const iso_status status = iso_pyramid_stream(&source, opt, &stream, output, &report, &progress, err);
     iso_key_destroy(key);
-    if (status == ISO_OK)
-        warn_of_new_start(cli, &report);
-    if (status == ISO_OK && cli->json)
+    NEED(status);
+    warn_of_new_start(cli, &report);
+    if (cli->json)
         *json = to_json(cli, opt, &report, output);
-    else if (status == ISO_OK)
+    else
         print_text(&report, output, job->options->is_auto);
-    return status;
+    return ISO_OK;
 }
 
 /* Builds a pyramid of each frame, NAME_0000.iso and so on, with the range of all frames. */
 static iso_status build_frames(const build_job *job, iso_pyramid_options *opt, const char *output, iso_error *err)
 {
-    const char *path = job->cli->arguments[0];
     iso_frames_facts facts;
-    json_t *all = json_array();
-    iso_status status = iso_frames_measure(path, job->input, &facts, err);
-    const size_t count = facts.count;
+    json_auto_t *all = json_array();
+    NEED(iso_frames_measure(job->cli->arguments[0], job->input, &facts, err));
     memcpy(opt->value_range, facts.range, sizeof facts.range);
-    for (size_t k = 0; k < count && status == ISO_OK; ++k) {
+    for (size_t k = 0; k < facts.count; ++k) {
         char number[24];
         json_t *one = NULL;
         snprintf(number, sizeof number, "%zu", k);
@@ -188,23 +191,18 @@ static iso_status build_frames(const build_job *job, iso_pyramid_options *opt, c
         input.frame = number;
         build_job frame = *job;
         frame.input = &input;
-        char *name = iso_frames_name(output, ".iso", k);
-        status = name ? build_one(&frame, opt, name, &one, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-        free(name);
+        FREED char *name = iso_frames_name(output, ".iso", k);
+        NEED(name ? build_one(&frame, opt, name, &one, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
         if (one)
             json_array_append_new(all, one);
     }
-    if (status == ISO_OK && job->cli->json) {
-        json_t *root = iso_cli_json(job->cli);
-        json_object_set_new(root, "value_range", iso_json_numbers(opt->value_range, 2));
-        json_object_set(root, "frames", all);
-        iso_cli_print_json(root);
-    } else if (status == ISO_OK) {
-        printf("%zu frame%s, values %.9g to %.9g\n", count, iso_words_plural(count), opt->value_range[0],
+    if (job->cli->json)
+        iso_cli_print_results(job->cli, json_pack("{s:o, s:O}", "value_range", iso_json_numbers(opt->value_range, 2),
+                                                  "frames", all));
+    else
+        printf("%zu frame%s, values %.9g to %.9g\n", facts.count, iso_words_plural(facts.count), opt->value_range[0],
                opt->value_range[1]);
-    }
-    json_decref(all);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status check_frames(const build_options *in, const iso_volume_input *input, iso_error *err)
@@ -239,66 +237,194 @@ static iso_status choose_filter(const build_job *job, iso_pyramid_options *opt, 
     return ISO_OK;
 }
 
-/* Builds levels for a scene, in memory and by one process. */
-/* Makes a look for each scene of the list. */
-static iso_status check_looks(const build_job *job, char *list, iso_subject_look *looks, size_t *count, iso_error *err)
+/* Value in --for's list instead of a scene file. */
+#define ISO_BUILD_FOR_FIRST "first"
+
+/* The levels that best show scenes or a first picture (plan/scene_levels.h), made in memory and by one process. */
+typedef struct made_for {
+    const build_job *job;
+    size_t scene_count;
+    iso_scene scenes[ISO_SCENES_MOST];
+    iso_pyramid pyramid;
+    iso_scene_level levels[32];
+} made_for;
+
+static void made_for_destroy(made_for *m)
 {
-    iso_cli_look asked = job->options->look;
-    iso_status status = list ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    for (char *rest = list, *name; status == ISO_OK && (name = strsep(&rest, ","));) {
-        if (*count == ISO_SCENES_MOST)
-            return iso_fail(err, ISO_E_USAGE, "--for: more than %d scenes", ISO_SCENES_MOST);
-        asked.scene = strcmp(name, ISO_BUILD_FOR_FIRST) == 0 ? NULL : name;
-        status = iso_cli_look_check(&asked, job->cli->threads, &looks[(*count)++], err);
+    iso_pyramid_destroy(&m->pyramid);
+    for (size_t i = 0; i < m->scene_count; ++i)
+        iso_scene_destroy(&m->scenes[i]);
+}
+
+/* Estimates the memory before reading. ISO_E_MEMORY if the levels need more than --memory. */
+static iso_status check_memory(const build_job *job, size_t scene_count, iso_effort effort, iso_error *err)
+{
+    const char *path = job->cli->arguments[0];
+    ENDED_BY(iso_source_close_owned) iso_volume_source *source = NULL;
+    NEED(iso_volume_input_open(path, job->input, &source, err));
+    const iso_volume *v = iso_source_volume(source);
+    const double needed = (double)iso_scene_levels_bytes(&v->geometry, v->type, scene_count, effort) / 1048576;
+    if (needed > job->options->memory_mb)
+        return iso_fail(err, ISO_E_MEMORY, "%s: --for works in memory and needs %.0f MB, --memory is %g", path, needed,
+                        job->options->memory_mb);
+    return ISO_OK;
+}
+
+static const char *scene_name(const iso_scene *scene)
+{
+    return scene->path ? iso_provenance_name(scene->path) : ISO_BUILD_FOR_FIRST;
+}
+
+/* Prints "level 2: fitted, 1 - SSIM .041 (as-built .063, least-squares .049)", with several scenes for each of them. */
+static void print_level(const made_for *m, size_t level)
+{
+    const iso_scene_level *made = &m->levels[level];
+    const iso_level_way *way = &iso_level_ways[made->chosen];
+    for (size_t s = 0; s < m->scene_count; ++s) {
+        const iso_level_candidate *chosen = &made->candidates[s][made->chosen];
+        const char *before = " (";
+        printf("level %zu: %s%s%s, 1 - SSIM %.4f", level, iso_level_scalar_name(way->scalar),
+               way->scaled ? ", scaled" : "", chosen->adapted ? ", under its own TF" : "",
+               chosen->seen.ssim_dissimilarity);
+        if (m->scene_count > 1)
+            printf(", %.2f of the best for %s alone", iso_scene_level_ratio(made, s), scene_name(&m->scenes[s]));
+        for (int i = 0; i < ISO_LEVEL_WAY_COUNT; ++i) {
+            const iso_level_candidate *c = &made->candidates[s][i];
+            if (c == chosen || !c->tried)
+                continue;
+            printf("%s%s%s %.4f", before, iso_level_scalar_name(iso_level_ways[i].scalar),
+                   iso_level_ways[i].scaled ? " scaled" : "", c->seen.ssim_dissimilarity);
+            before = ", ";
+        }
+        printf(")\n");
+    }
+}
+
+/* Warns of scenes that a level of their own would show better. */
+static void warn_of_ratio(const made_for *m, size_t level)
+{
+    const iso_cli *cli = m->job->cli;
+    for (size_t s = 0; s < m->scene_count && !cli->quiet; ++s) {
+        const double ratio = iso_scene_level_ratio(&m->levels[level], s);
+        if (!(ratio > 1 + ISO_LEVEL_GATE_GAIN))
+            continue;
+        iso_progress_line_hide(cli->progress);
+        fprintf(stderr,
+                "isoshade build: warning: level %zu has %.2f times the 1 - SSIM of the best level for %s alone; build "
+                "a pyramid for it\n",
+                level, ratio, scene_name(&m->scenes[s]));
+    }
+}
+
+static void print(const made_for *m, const char *output)
+{
+    const iso_pyramid *p = &m->pyramid;
+    for (size_t k = 1; k < p->level_count; ++k)
+        warn_of_ratio(m, k);
+    if (m->job->cli->json) {
+        json_t *seconds = json_array();
+        for (size_t k = 1; k < p->level_count; ++k)
+            json_array_append_new(seconds, json_real(m->levels[k].seconds));
+        iso_cli_print_results(m->job->cli,
+                              json_pack("{s:{s:s}, s:s, s:O*, s:o}", "options", "for", m->job->options->scene, "output",
+                                        output, "made_for", p->made_for, "seconds_of_levels", seconds));
+        return;
+    }
+    for (size_t k = 0; k < p->level_count; ++k) {
+        const iso_level *l = &p->levels[k];
+        printf("level %zu  %zu x %zu x %zu  %s  %.6g to %.6g\n", k, l->geometry.size[0], l->geometry.size[1],
+               l->geometry.size[2], iso_type_name(l->stored_type), l->min, l->max);
+    }
+    for (size_t k = 1; k < p->level_count; ++k)
+        print_level(m, k);
+    printf("%s\n", output);
+}
+
+/* Warns if the scene shows nothing, since its levels would be useless. */
+static iso_status warn(const made_for *m, const iso_scene *scene, iso_error *err)
+{
+    OWNED(iso_view) view = {0};
+    const iso_level *level0 = &m->pyramid.levels[0];
+    NEED(iso_scene_resolve(scene, &level0->geometry, level0->min, level0->max, &view, err));
+    iso_cli_warn_view(m->job->cli, &m->pyramid, &view, NULL, &(bool){false});
+    return ISO_OK;
+}
+
+/* ---- Ctrl-C ends optimizing, and keeps the levels so far ---- */
+
+static volatile sig_atomic_t stop;
+
+static void note_signal(int number)
+{
+    (void)number;
+    stop = 1;
+}
+
+static iso_status make_levels(made_for *m, iso_effort effort, const iso_progress *progress, iso_error *err)
+{
+    const iso_cli *cli = m->job->cli;
+    const iso_optimize_options opt = {.effort = effort, .seed = 1, .stop = &stop};
+    const bool is_optimized = effort != ISO_EFFORT_NONE;
+    struct sigaction own = {.sa_handler = note_signal, .sa_flags = SA_RESTART | SA_RESETHAND}, before;
+    sigemptyset(&own.sa_mask);
+    if (is_optimized)
+        sigaction(SIGINT, &own, &before);
+    const iso_status status = iso_scene_levels_make(&m->pyramid, 1, m->scenes, m->scene_count,
+                                                    is_optimized ? &opt : NULL, cli->threads, m->levels, progress, err);
+    if (is_optimized)
+        sigaction(SIGINT, &before, NULL);
+    if (stop && !cli->quiet) {
+        iso_progress_line_hide(cli->progress);
+        fprintf(stderr, "isoshade build: interrupted: the levels are the best so far\n");
     }
     return status;
 }
 
-static iso_status build_for(const build_job *job, iso_error *err)
+/* Makes a look for each scene of the list. */
+static iso_status check_looks(const build_job *job, char *list, iso_subject_look *looks, size_t *count, iso_error *err)
+{
+    iso_cli_look asked = job->options->look;
+    if (!list)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *rest = list, *name; (name = strsep(&rest, ","));) {
+        if (*count == ISO_SCENES_MOST)
+            return iso_fail(err, ISO_E_USAGE, "--for: more than %d scenes", ISO_SCENES_MOST);
+        asked.scene = strcmp(name, ISO_BUILD_FOR_FIRST) == 0 ? NULL : name;
+        NEED(iso_cli_look_check(&asked, job->cli->threads, &looks[(*count)++], err));
+    }
+    return ISO_OK;
+}
+
+static iso_status build_for(const build_job *job, iso_pyramid_options *opt, const char *output, iso_error *err)
 {
     const iso_cli *cli = job->cli;
-    const build_options *in = job->options;
     const char *path = cli->arguments[0];
-    iso_pyramid_options opt;
-    if (in->resume)
-        return iso_fail(err, ISO_E_USAGE, "--for and --resume exclude each other: levels for a scene are made at once");
-    if (job->ranks)
-        return iso_fail(err, ISO_E_USAGE, "--for: levels for a scene are made by one process, without MPI");
-    char *output = in->output ? strdup(in->output) : default_output(path);
-    iso_status status = output ? to_pyramid_options(in, cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    iso_build_for with = {
-        cli, job->input, .volume = path, .output = output, .scenes = in->scene, .memory_mb = in->memory_mb};
-    char *list = strdup(in->scene);
+    const iso_progress progress = iso_cli_progress(cli);
+    iso_subject_look looks[ISO_SCENES_MOST];
+    FREED char *list = strdup(job->options->scene);
+    OWNED(made_for) m = {.job = job};
+    OWNED(iso_volume) volume = {0};
     size_t effort = ISO_EFFORT_NORMAL;
-    if (status == ISO_OK && in->effort)
-        status = iso_names_find(&iso_effort_names, in->effort, &effort, err);
-    with.effort = (iso_effort)effort;
-    TRY(status, check_looks(job, list, with.looks, &with.scene_count, err));
-    TRY(status, choose_filter(job, &opt, err));
-    TRY(status, iso_cli_build_for(&with, &opt, err));
-    free(list);
-    free(output);
-    return status;
+    if (job->options->effort)
+        NEED(iso_names_find(&iso_effort_names, job->options->effort, &effort, err));
+    NEED(check_looks(job, list, looks, &m.scene_count, err));
+    NEED(choose_filter(job, opt, err));
+    iso_cli_expect(cli, (const iso_cli_stage[]){{"pyramid", 1}, {"levels for the scene", 4}}, 2);
+    NEED(check_memory(job, m.scene_count, (iso_effort)effort, err));
+    NEED(iso_volume_input_load(path, job->input, &volume, err));
+    NEED(iso_pyramid_build(&volume, path, opt, &m.pyramid, &progress, err));
+    iso_volume_destroy(&volume); /* the levels need memory */
+    for (size_t i = 0; i < m.scene_count; ++i) {
+        NEED(iso_subject_make_scene(&looks[i], &m.pyramid, &m.scenes[i], err));
+        NEED(warn(&m, &m.scenes[i], err));
+    }
+    NEED(make_levels(&m, (iso_effort)effort, &progress, err));
+    NEED(iso_pyramid_save(&m.pyramid, output, err));
+    print(&m, output);
+    return ISO_OK;
 }
 
-static iso_status build(const build_job *job, iso_error *err)
-{
-    const build_options *in = job->options;
-    const char *path = job->cli->arguments[0];
-    iso_pyramid_options opt;
-    json_t *json = NULL;
-    char *output = in->output ? strdup(in->output) : default_output(path);
-    iso_status status = output ? to_pyramid_options(in, job->cli, &opt, err)
-                               : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, choose_filter(job, &opt, err));
-    TRY(status, in->frames ? build_frames(job, &opt, output, err) : build_one(job, &opt, output, &json, err));
-    if (json)
-        iso_cli_print_json(json);
-    free(output);
-    return status;
-}
-
-static iso_status build_any(const build_job *job, iso_error *err)
+static iso_status check(const build_job *job, iso_error *err)
 {
     const build_options *in = job->options;
     const char *path = job->cli->arguments[0];
@@ -306,13 +432,35 @@ static iso_status build_any(const build_job *job, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "%s: a pyramid, which already has levels; give a volume", path);
     if (in->is_auto && (in->scene || in->scalar_filter || in->direction_filter))
         return iso_fail(err, ISO_E_USAGE, "--auto excludes --for, --scalar-filter and --direction-filter");
-    if (in->scene)
-        return build_for(job, err);
-    if (in->effort)
+    if (in->scene && in->resume)
+        return iso_fail(err, ISO_E_USAGE, "--for and --resume exclude each other: levels for a scene are made at once");
+    if (in->scene && job->ranks)
+        return iso_fail(err, ISO_E_USAGE, "--for: levels for a scene are made by one process, without MPI");
+    if (!in->scene && in->effort)
         return iso_fail(err, ISO_E_USAGE, "--effort needs --for");
-    if (!iso_cli_look_is_empty(&in->look))
+    if (!in->scene && !iso_cli_look_is_empty(&in->look))
         return iso_fail(err, ISO_E_USAGE, "--tf needs --for %s", ISO_BUILD_FOR_FIRST);
-    return build(job, err);
+    return ISO_OK;
+}
+
+static iso_status build(const build_job *job, iso_error *err)
+{
+    const build_options *in = job->options;
+    const char *path = job->cli->arguments[0];
+    FREED char *output = in->output ? strdup(in->output) : default_output(path);
+    iso_pyramid_options opt;
+    json_t *json = NULL;
+    NEED(check(job, err));
+    NEED(output ? to_pyramid_options(in, job->cli, &opt, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    if (in->scene)
+        return build_for(job, &opt, output, err);
+    NEED(choose_filter(job, &opt, err));
+    if (in->frames)
+        return build_frames(job, &opt, output, err);
+    NEED(build_one(job, &opt, output, &json, err));
+    if (json)
+        iso_cli_print_json(json);
+    return ISO_OK;
 }
 
 /* Silences all ranks but one: results, help and messages are the same in each. */
@@ -364,7 +512,7 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
     of_rank.quiet = cli->quiet || iso_ranks_is_other();
     iso_status status = iso_ranks_open(&ranks, err);
     TRY(status, check_frames(in, &in->input, err));
-    TRY(status, build_any(&(build_job){&of_rank, &in->input, in, ranks}, err));
+    TRY(status, build(&(build_job){&of_rank, &in->input, in, ranks}, err));
     iso_ranks_close(ranks);
     return status;
 }
@@ -417,7 +565,7 @@ const iso_command iso_command_build = {
         "  isoshade build v.nrrd -o ls.iso --scalar-filter least-squares\n"
         "  isoshade build v.nrrd -o for.iso --for refscenes/marschner-lobb.scene.json --effort fast\n"
         "  isoshade build v.nrrd -o two.iso --for refscenes/marschner-lobb.scene.json,refscenes/solid.scene.json "
-                "--effort fast\n"
+        "--effort fast\n"
         "  isoshade build v.nrrd -o auto.iso --auto --levels 3\n",
     .lists = (const iso_names *const[]){&iso_gradient_names, &iso_scalar_filter_names, &iso_direction_filter_names,
                                         &iso_code_names, &iso_tf_preset_names, NULL},

@@ -21,31 +21,15 @@ static void print_site(const json_t *site, const char *output)
 static iso_status make_site(const iso_cli *cli, const char *output, const iso_report_source *reports, iso_error *err)
 {
     json_auto_t *made = NULL, *site = iso_cli_json(cli);
-    iso_status status = iso_certificates_of(reports, cli->argument_count, &made, err);
-    if (status == ISO_OK) {
-        json_object_set_new(site, "title", json_string("Certificates of volume renderers"));
-        json_object_update(site, made);
-        status = iso_certificates_write(output, site, reports, err);
-    }
-    if (status == ISO_OK && cli->json)
+    NEED(iso_certificates_of(reports, cli->argument_count, &made, err));
+    json_object_set_new(site, "title", json_string("Certificates of volume renderers"));
+    json_object_update(site, made);
+    NEED(iso_certificates_write(output, site, reports, err));
+    if (cli->json)
         iso_cli_print_json(json_incref(site));
-    else if (status == ISO_OK)
+    else
         print_site(site, output);
-    return status;
-}
-
-static iso_status load_and_make(const iso_cli *cli, const char *output, iso_error *err)
-{
-    FREED iso_report_source *reports = calloc(cli->argument_count, sizeof *reports);
-    iso_status status = reports ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (!output)
-        status = iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the site");
-    for (size_t i = 0; i < cli->argument_count && status == ISO_OK; ++i)
-        status = iso_report_source_open(&reports[i], cli->arguments[i], err);
-    TRY(status, make_site(cli, output, reports, err));
-    for (size_t i = 0; reports && i < cli->argument_count; ++i)
-        iso_report_source_close(&reports[i]);
-    return status;
+    return ISO_OK;
 }
 
 typedef struct certificate_options {
@@ -60,7 +44,16 @@ static const iso_option options[] = {
 static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     const certificate_options *o = values;
-    return load_and_make(cli, o->output, err);
+    FREED iso_report_source *reports = calloc(cli->argument_count, sizeof *reports);
+    if (!o->output)
+        return iso_fail(err, ISO_E_USAGE, "-o is missing: folder for the site");
+    iso_status status = reports ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (size_t i = 0; i < cli->argument_count && status == ISO_OK; ++i)
+        status = iso_report_source_open(&reports[i], cli->arguments[i], err);
+    TRY(status, make_site(cli, o->output, reports, err));
+    for (size_t i = 0; reports && i < cli->argument_count; ++i)
+        iso_report_source_close(&reports[i]);
+    return status;
 }
 
 const iso_command iso_command_certificate = {

@@ -9,6 +9,7 @@
 #include "compare/flip.h"
 #include "compare/metrics.h"
 #include "image/image.h"
+#include "report/rows.h"
 
 typedef struct compare_options {
     iso_tolerances tolerances;
@@ -54,43 +55,22 @@ static iso_status check_tolerances(iso_tolerances *l, iso_error *err)
     return ISO_OK;
 }
 
-static json_t *describe_tolerances(const iso_tolerances *l)
-{
-    json_t *o = json_object();
-    const struct {
-        const char *name;
-        double value;
-    } all[] = {
-        {"rmse", l->rmse},           {"max_abs", l->max_abs},
-        {"p99_abs", l->p99_abs},     {"ssim_dissimilarity", l->ssim_dissimilarity},
-        {"flip_mean", l->flip_mean},
-    };
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; ++i)
-        if (all[i].value > 0)
-            json_object_set_new(o, all[i].name, json_real(all[i].value));
-    return o;
-}
-
 /* Computes the mean of the FLIP map, and saves the map if requested. */
 static iso_status measure_flip(const compare_options *opt, const iso_image images[2], double *mean, iso_error *err)
 {
-    iso_image picture;
+    OWNED(iso_image) picture = {0};
     size_t count = images[0].width * images[0].height;
     FREED float *map = malloc(count * sizeof *map);
     if (!map)
         return iso_fail(err, ISO_E_MEMORY, "no memory for %zu pixels", count);
-    iso_status status = (opt->hdr ? iso_flip_hdr : iso_flip_ldr)(&images[0], &images[1], ISO_FLIP_PIXELS_PER_DEGREE,
-                                                                 map, err);
-    if (status == ISO_OK)
-        *mean = iso_flip_mean(map, count);
-    if (status == ISO_OK && opt->flip_map) {
-        status = iso_image_create(&picture, images[0].width, images[0].height, err);
-        for (size_t i = 0; status == ISO_OK && i < 4 * count; ++i)
-            picture.rgba[i] = i % 4 == 3 ? 1 : map[i / 4];
-        TRY(status, iso_image_save(&picture, opt->flip_map, NULL, err));
-        iso_image_destroy(&picture);
-    }
-    return status;
+    NEED((opt->hdr ? iso_flip_hdr : iso_flip_ldr)(&images[0], &images[1], ISO_FLIP_PIXELS_PER_DEGREE, map, err));
+    *mean = iso_flip_mean(map, count);
+    if (!opt->flip_map)
+        return ISO_OK;
+    NEED(iso_image_create(&picture, images[0].width, images[0].height, err));
+    for (size_t i = 0; i < 4 * count; ++i)
+        picture.rgba[i] = i % 4 == 3 ? 1 : map[i / 4];
+    return iso_image_save(&picture, opt->flip_map, NULL, err);
 }
 
 typedef struct hdr_flip {
@@ -154,50 +134,45 @@ static iso_status compare(const iso_cli *cli, const compare_options *opt, iso_im
     double flip = NAN;
     bool has_alpha[2] = {false, false};
     hdr_flip hdr = {.mean = NAN};
-    iso_status status = opt->flip_map ? iso_image_check_name("--flip-map", opt->flip_map, err) : ISO_OK;
-    TRY(status, load(cli, opt, images, has_alpha, err));
-    if (status != ISO_OK)
-        return status;
+    if (opt->flip_map)
+        NEED(iso_image_check_name("--flip-map", opt->flip_map, err));
+    NEED(load(cli, opt, images, has_alpha, err));
     const bool has_one_size = images[0].width == images[1].width && images[0].height == images[1].height;
     const opacity o = has_one_size ? look_at_opacity(images) : (opacity){NULL, NULL, NAN};
     if (has_one_size)
         complete_alpha(images, has_alpha);
-    status = iso_metrics_measure(&images[0], &images[1], &m, err);
+    const iso_status status = iso_metrics_measure(&images[0], &images[1], &m, err);
     if (status != ISO_OK)
         return iso_fail_in(err, status, "%s and %s", cli->arguments[0], cli->arguments[1]);
     if (opt->difference) {
-        status = iso_image_difference(&images[0], &images[1], opt->scale, &images[2], err);
-        TRY(status, iso_image_save_png(&images[2], opt->difference, 1, err));
+        NEED(iso_image_difference(&images[0], &images[1], opt->scale, &images[2], err));
+        NEED(iso_image_save_png(&images[2], opt->difference, 1, err));
     }
-    if (status == ISO_OK && (opt->hdr || opt->flip_map) && m.nonfinite_count == 0)
-        status = measure_flip(opt, images, &flip, err);
-    if (status == ISO_OK && opt->hdr && isfinite(flip)) {
+    if ((opt->hdr || opt->flip_map) && m.nonfinite_count == 0)
+        NEED(measure_flip(opt, images, &flip, err));
+    if (opt->hdr && isfinite(flip)) {
         hdr.mean = flip;
-        status = iso_flip_exposures(&images[0], &hdr.start, &hdr.stop, &hdr.exposures, err);
+        NEED(iso_flip_exposures(&images[0], &hdr.start, &hdr.stop, &hdr.exposures, err));
     }
-    if (status != ISO_OK)
-        return status;
     const bool agree = iso_metrics_within(&m, &opt->tolerances);
-    if (cli->json) {
-        json_t *root = iso_cli_json(cli);
-        json_object_set_new(root, "options", json_pack("{s:o}", "limits", describe_tolerances(&opt->tolerances)));
-        json_object_set_new(root, "a", json_string(cli->arguments[0]));
-        json_object_set_new(root, "b", json_string(cli->arguments[1]));
-        json_object_update_new(root, iso_metrics_to_json(&m));
-        if (o.opaque)
-            json_object_update_new(root, json_pack("{s:s, s:o}", "opaque", o.opaque, "rmse_of_colors",
-                                                   iso_json_number(o.rmse_of_colors)));
-        if (opt->hdr)
-            json_object_set_new(root, "hdr_flip_mean", iso_json_number(hdr.mean));
-        if (isfinite(hdr.mean))
-            json_object_set_new(root, "hdr_flip_exposures",
-                                json_pack("{s:f, s:f, s:I}", "start", hdr.start, "stop", hdr.stop, "count",
-                                          (json_int_t)hdr.exposures));
-        json_object_set_new(root, "verdict", json_string(agree ? "agree" : "differ"));
-        iso_cli_print_json(root);
-    } else {
+    if (!cli->json) {
         print_text(&m, &o, &hdr, agree);
+        return agree ? ISO_OK : ISO_E_DIFFERS;
     }
+    json_t *root = json_pack("{s:{s:o}, s:s, s:s}", "options", "limits", iso_tolerances_to_json(&opt->tolerances), "a",
+                             cli->arguments[0], "b", cli->arguments[1]);
+    json_object_update_new(root, iso_metrics_to_json(&m));
+    if (o.opaque)
+        json_object_update_new(root, json_pack("{s:s, s:o}", "opaque", o.opaque, "rmse_of_colors",
+                                               iso_json_number(o.rmse_of_colors)));
+    if (opt->hdr)
+        json_object_set_new(root, "hdr_flip_mean", iso_json_number(hdr.mean));
+    if (isfinite(hdr.mean))
+        json_object_set_new(root, "hdr_flip_exposures",
+                            json_pack("{s:f, s:f, s:I}", "start", hdr.start, "stop", hdr.stop, "count",
+                                      (json_int_t)hdr.exposures));
+    json_object_set_new(root, "verdict", json_string(agree ? "agree" : "differ"));
+    iso_cli_print_results(cli, root);
     return agree ? ISO_OK : ISO_E_DIFFERS;
 }
 

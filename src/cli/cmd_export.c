@@ -4,22 +4,163 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/grids.h"
+#include "base/file.h"
 #include "base/stamp.h"
 #include "blender/blender.h"
-#include "cli/cycles_options.h"
-#include "cli/export_options.h"
-#include "cli/export_several.h"
-#include "options/cli.h"
-#include "options/input.h"
-#include "options/look.h"
-#include "options/roi.h"
+#include "cli/export.h"
 #include "options/visible.h"
 #include "scene/subject_frames.h"
-#include "scene/subject_narrow.h"
+#include "scene/subject.h"
 #include "scene/viewpoint.h"
 #include "tf/presets.h"
 #include "volume/frames_all.h"
-#include "targets/targets.h"
+
+/* Checks options with --plan, which fixes the levels and the transfer function. */
+static iso_status check_plan(const iso_export_arguments *a, iso_error *err)
+{
+    if (!a->plan)
+        return a->grids ? iso_fail(err, ISO_E_USAGE, "--grids needs --plan") : ISO_OK;
+    if (!a->look.scene)
+        return iso_fail(err, ISO_E_USAGE, "--plan needs its --scene");
+    if (a->level != 0 || a->level_count != 1 || a->adapted.wanted || a->adapted.extinction_scale || a->isosurface ||
+        a->roi.box)
+        return iso_fail(
+            err, ISO_E_USAGE,
+            "--plan fixes the levels: it excludes --level, --levels, --adapt, --extinction-scale, --roi and --isosurface");
+    return ISO_OK;
+}
+
+/* True if a transfer function is given that decides which voxels the grids hold; grids themselves need none. */
+static bool is_shown(const iso_export_arguments *a, const iso_export_target *target)
+{
+    return iso_export_takes(target, ISO_EXPORT_SHOWN) && !a->plan &&
+           (a->look.scene || a->look.tf || a->adapted.extinction_scale);
+}
+
+/* Refuses options that have no effect for the target. */
+static iso_status check_options(const iso_export_arguments *a, const iso_export_target *target, iso_error *err)
+{
+    const bool alone = !iso_export_takes(target, ISO_EXPORT_SCENE) && (is_shown(a, target) || a->bake.wanted);
+    const bool given[ISO_EXPORT_OPTION_COUNT] = {[ISO_EXPORT_LEVELS] = a->level_count > 1,
+                                                 [ISO_EXPORT_STEP] = a->step != ISO_STEP_OF_SCENE,
+                                                 [ISO_EXPORT_HALF] = a->half,
+                                                 [ISO_EXPORT_ISOSURFACE] = a->isosurface != NULL,
+                                                 [ISO_EXPORT_SCENE] = a->look.scene && !a->plan &&
+                                                                      !alone, /* with a plan the scene has an effect */
+                                                 [ISO_EXPORT_SIZE] = a->look.size != NULL && !alone,
+                                                 [ISO_EXPORT_ROI] = a->roi.box != NULL,
+                                                 [ISO_EXPORT_ADAPT] = a->adapted.wanted && !alone,
+                                                 [ISO_EXPORT_EXTINCTION_SCALE] = a->adapted.extinction_scale,
+                                                 [ISO_EXPORT_GRIDS] = a->grids != NULL,
+                                                 [ISO_EXPORT_BAKE] = a->bake.wanted,
+                                                 [ISO_EXPORT_MATERIAL] = a->material != NULL,
+                                                 [ISO_EXPORT_PLAN] = a->plan != NULL,
+                                                 [ISO_EXPORT_DENSE] = a->dense,
+                                                 [ISO_EXPORT_BACKGROUND] = a->has_background};
+    const char *const looks[] = {a->look.tf && !alone ? "--tf" : NULL, a->look.view ? "--view" : NULL,
+                                 a->look.zoom ? "--zoom" : NULL};
+    if (a->dense && (a->has_background || a->plan))
+        return iso_fail(err, ISO_E_USAGE, "--dense and %s exclude each other", a->plan ? "--plan" : "--background");
+    if (a->has_background && a->plan)
+        return iso_fail(err, ISO_E_USAGE, "--background and --plan exclude each other: the plan sets the background");
+    if (a->look.tf && a->plan && iso_export_takes(target, ISO_EXPORT_SHOWN))
+        return iso_fail(err, ISO_E_USAGE,
+                        "--tf and --plan exclude each other: the plan is for the scene's transfer function");
+    for (size_t i = 0; i < sizeof looks / sizeof *looks; ++i)
+        if (looks[i] && !iso_export_takes(target, ISO_EXPORT_SCENE) && !a->bake.wanted)
+            return iso_fail(err, ISO_E_USAGE, "%s cannot be used with --to %s", looks[i], target->name);
+    for (int i = 0; i < ISO_EXPORT_OPTION_COUNT; ++i)
+        if (given[i] && !iso_export_takes(target, (iso_export_option)i))
+            return iso_fail(err, ISO_E_USAGE, "%s cannot be used with --to %s",
+                            iso_export_option_text((iso_export_option)i), target->name);
+    return ISO_OK;
+}
+
+/* Checks options for baked grids: one whole level, with the scene's transfer function. */
+static iso_status check_bake(const iso_export_arguments *a, iso_error *err)
+{
+    const char *other = a->plan              ? "--plan"
+                        : a->level_count > 1 ? "--levels"
+                        : a->roi.box         ? "--roi"
+                        : a->frames          ? "--frames"
+                                             : NULL;
+    if (a->bake.wanted && other)
+        return iso_fail(err, ISO_E_USAGE, "%s cannot be used with baked grids, which hold one whole level", other);
+    return ISO_OK;
+}
+
+/* Checks --frames: all frames share one scene and one transfer function, so options for a single volume are refused. */
+static iso_status check_frames(const iso_export_arguments *a, iso_error *err)
+{
+    const char *other = a->plan                       ? "--plan"
+                        : a->adapted.wanted           ? "--adapt"
+                        : a->adapted.extinction_scale ? "--extinction-scale"
+                        : a->roi.box                  ? "--roi"
+                                                      : NULL;
+    if (!a->frames)
+        return ISO_OK;
+    if (strcmp(a->frames, "all") != 0)
+        return iso_fail(err, ISO_E_USAGE, "--frames is \"%s\", must be all; export one with --frame K", a->frames);
+    if (other)
+        return iso_fail(err, ISO_E_USAGE, "--frames all excludes %s: a series has one scene and one transfer function",
+                        other);
+    return ISO_OK;
+}
+
+/* Guards the files next to the output. Files of frames and of several volumes have names that are known only later. The
+ * target knows whether it writes a .usda. */
+static iso_status guard_other_files(const iso_export_arguments *a, const iso_export_target *target, iso_error *err)
+{
+    if (a->bake.wanted && a->bake.usd && iso_path_ends_with(a->output, ".vdb"))
+        return iso_bake_guard_usda(a->output, a->force, err);
+    if (!target->guard || a->frames || a->channels || a->cli->argument_count > 1)
+        return ISO_OK;
+    return target->guard(a->output, (size_t)a->level, (size_t)a->level_count, a->roi.box != NULL, a->force, err);
+}
+
+/* Refuses an output whose ending belongs to another target. */
+static iso_status check_ending(const iso_export_target *target, const char *output, iso_error *err)
+{
+    const char *own = strchr(target->output, '.');
+    if (own && !iso_path_ends_with(output, own))
+        return iso_fail(err, ISO_E_USAGE, "%s: the name for --to %s must end in %s", output, target->name, own);
+    for (size_t row = 0; !own && row < iso_export_target_names.count; ++row) {
+        const iso_export_target *other = iso_export_target_at(row);
+        const char *ending = strchr(other->output, '.');
+        if (ending && iso_path_ends_with(output, ending))
+            return iso_fail(err, ISO_E_USAGE, "%s: ends in %s as for --to %s, but --to %s writes a folder", output,
+                            ending, other->name, target->name);
+    }
+    return ISO_OK;
+}
+
+/* Finds the target, and checks the options before the work. ISO_E_USAGE, ISO_E_RANGE: options that exclude each other
+ * or have no effect; ISO_E_IO: a file was changed by hand. */
+static iso_status check(iso_export_arguments *a, const iso_export_target **target, iso_error *err)
+{
+    char names[256];
+    size_t row = 0;
+    if (!a->to)
+        return iso_fail(err, ISO_E_USAGE, "--to is missing: %s",
+                        iso_names_join(&iso_export_target_names, "or", names, sizeof names));
+    const iso_status status = iso_names_find(&iso_export_target_names, a->to, &row, err);
+    if (status != ISO_OK)
+        return iso_fail_in(err, status, "--to");
+    *target = iso_export_target_at(row);
+    if (!a->output)
+        return iso_fail(err, ISO_E_USAGE, "-o is missing: %s", (*target)->summary);
+    NEED(check_ending(*target, a->output, err));
+    NEED(check_options(a, *target, err));
+    if (a->material)
+        NEED(iso_names_find(&iso_blender_material_names, a->material, &a->material_row, err));
+    NEED(check_bake(a, err));
+    NEED(check_frames(a, err));
+    NEED(check_plan(a, err));
+    if ((*target)->stamped)
+        NEED(iso_stamp_guard(a->output, a->force, err));
+    return guard_other_files(a, *target, err);
+}
 
 /* Makes the view of a level: the scene's with its own copy of the table, adapted and with a region of interest if
  * requested. */
@@ -60,37 +201,35 @@ static iso_status load(iso_export_arguments *a, const iso_export_target *target,
                        iso_error *err)
 {
     const char *path = a->cli->arguments[0];
-    const bool wants_view = iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || iso_export_is_shown(a, target) ||
+    const bool wants_view = iso_export_takes(target, ISO_EXPORT_SCENE) || a->plan || is_shown(a, target) ||
                             a->bake.wanted;
     const bool narrow = is_narrow(a, target);
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_subject_sight sight = {0};
     build.threads = a->cli->threads;
     build.level_count = (size_t)(a->level + a->level_count);
-    iso_status status = narrow ? iso_subject_load_narrow(path, &a->input, &build, wants_view ? look : NULL, progress, p,
-                                                         v, &sight, err)
-                               : iso_subject_load_pyramid(path, &a->input, &build, progress, p, err);
-    TRY(status, iso_pyramid_check_level(p, path, (size_t)(a->level + a->level_count - 1), err));
-    if (status == ISO_OK && (a->plan || a->roi.box || a->isosurface))
-        status = iso_subject_refuse_labels(p, path, a->plan ? "--plan" : a->roi.box ? "--roi" : "--isosurface", err);
-    if (narrow)
-        *view = sight.view;
-    else if (status == ISO_OK && wants_view)
-        status = iso_subject_make_view(look, p, view, err);
-    if (status == ISO_OK && view->width > 0) { /* a scene is given */
-        if (narrow)
-            iso_cli_warn_visible(a->cli, &sight.visible);
-        else
-            iso_cli_warn_view(a->cli, p, view, a->isosurface ? iso : NULL, &(bool){false});
-    }
-    return status;
+    const iso_status status = narrow ? iso_subject_load_narrow(path, &a->input, &build, wants_view ? look : NULL,
+                                                               progress, p, v, &sight, err)
+                                     : iso_subject_load_pyramid(path, &a->input, &build, progress, p, err);
+    *view = sight.view;
+    NEED(status);
+    NEED(iso_pyramid_check_level(p, path, build.level_count - 1, err));
+    if (a->plan || a->roi.box || a->isosurface)
+        NEED(iso_subject_refuse_labels(p, path, a->plan ? "--plan" : a->roi.box ? "--roi" : "--isosurface", err));
+    if (!narrow && wants_view)
+        NEED(iso_subject_make_view(look, p, view, err));
+    if (view->width > 0 && narrow) /* a scene is given */
+        iso_cli_warn_visible(a->cli, &sight.visible);
+    else if (view->width > 0)
+        iso_cli_warn_view(a->cli, p, view, a->isosurface ? iso : NULL, &(bool){false});
+    return ISO_OK;
 }
 
 /* Checks the command line before reading. iso: value of the surface; unchanged without one. */
 static iso_status check_arguments(iso_export_arguments *a, const iso_export_target **target, iso_subject_look *look,
                                   double iso[3], iso_error *err)
 {
-    NEED(iso_export_check(a, target, err));
+    NEED(check(a, target, err));
     NEED(iso_cli_look_check(&a->look, a->cli->threads, look, err));
     return a->isosurface ? iso_words_parse_numbers(a->isosurface, "--isosurface", iso, err) : ISO_OK;
 }
@@ -108,7 +247,7 @@ static iso_export_job job_of(iso_export_arguments *a, const iso_export_target *t
                             .physical = a->material_row == 1,
                             .dense = a->dense,
                             .force = a->force,
-                            .is_shown = iso_export_is_shown(a, target),
+                            .is_shown = is_shown(a, target),
                             .background = a->has_background ? &a->background : NULL,
                             .command = command,
                             .isosurface = a->isosurface != NULL,
@@ -144,29 +283,27 @@ static iso_status export_it(iso_export_arguments *a, iso_error *err)
     iso_subject_look look;
     NEED(check_arguments(a, &target, &look, iso, err));
     iso_cli_expect_names(a->cli, !iso_pyramid_is_one(a->cli->arguments[0]), target->stages, target->name);
-    iso_status status = load(a, target, &look, iso, &progress, &pyramid, &volume, &view, err);
-    if (status == ISO_OK && a->plan)
-        status = load_plan(a, &pyramid, &volume, &view, &planned, err);
-    json_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
+    NEED(load(a, target, &look, iso, &progress, &pyramid, &volume, &view, err));
+    if (a->plan)
+        NEED(load_plan(a, &pyramid, &volume, &view, &planned, err));
+    json_auto_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
     FREED char *command = iso_cli_command_line(a->cli);
     iso_export_job job = job_of(a, target, &view, iso[0], &progress, command, root);
     job.pyramid = &pyramid;
     job.volume = volume.data ? &volume : NULL;
     job.planned = a->plan ? &planned : NULL;
-    job.merged = iso_export_wants_merged(a);
+    job.merged = !a->grids || strcmp(a->grids, "merged") == 0;
     job.bake = a->bake.wanted ? &a->bake : NULL;
     job.lattice = a->bake.lattice;
-    TRY(status, target->write(&job, err));
-    if (status == ISO_OK && root) {
+    NEED(target->write(&job, err));
+    if (root) {
         json_object_update_new(root, json_pack("{s:s, s:s, s:i, s:i}", "to", a->to, "output", a->output, "level",
                                                a->level, "levels", a->level_count));
-        iso_cli_print_json(root);
+        iso_cli_print_json(json_incref(root));
     } else {
-        json_decref(root);
-        if (status == ISO_OK)
-            printf("%s: %s\n", a->output, a->bake.wanted ? target->baked : target->summary);
+        printf("%s: %s\n", a->output, a->bake.wanted ? target->baked : target->summary);
     }
-    return status;
+    return ISO_OK;
 }
 
 /* ---- series ---- */
@@ -223,32 +360,28 @@ static iso_status export_series(iso_export_arguments *a, iso_error *err)
     NEED(check_arguments(a, &target, &look, iso, err));
     build.threads = a->cli->threads;
     build.level_count = (size_t)(a->level + a->level_count);
-    iso_status status = iso_subject_frames_create(
-        a->cli->arguments[0], &a->input, &build,
-        iso_export_takes(target, ISO_EXPORT_SCENE) || iso_export_is_shown(a, target) ? &look : NULL, &progress, &frames,
-        err);
-    TRY(status, make_series_view(a, &frames, iso, &view, err));
-    json_t *root = status == ISO_OK && a->cli->json ? iso_cli_json(a->cli) : NULL;
+    const bool has_look = iso_export_takes(target, ISO_EXPORT_SCENE) || is_shown(a, target);
+    NEED(iso_subject_frames_create(a->cli->arguments[0], &a->input, &build, has_look ? &look : NULL, &progress, &frames,
+                                   err));
+    NEED(make_series_view(a, &frames, iso, &view, err));
+    json_auto_t *root = a->cli->json ? iso_cli_json(a->cli) : NULL;
     FREED char *command = iso_cli_command_line(a->cli);
     iso_export_job job = job_of(a, target, &view, iso[0], &progress, command, root);
     job.frame_count = frames.count;
     job.load_frame = load_frame;
     job.frame_user = &frames;
-    TRY(status, target->write_frames ? target->write_frames(&job, err) : write_each(a, target, &frames, &job, err));
-    if (status == ISO_OK && root) {
-        json_object_update_new(root,
-                               json_pack("{s:s, s:s, s:i, s:i, s:I, s:o}", "to", a->to, "output", a->output, "level",
-                                         a->level, "levels", a->level_count, "frames", (json_int_t)frames.count,
-                                         "value_range", iso_json_numbers(frames.build.value_range, 2)));
-        iso_cli_print_json(root);
+    NEED(target->write_frames ? target->write_frames(&job, err) : write_each(a, target, &frames, &job, err));
+    const double *range = frames.build.value_range;
+    if (root) {
+        json_object_update_new(root, json_pack("{s:s, s:s, s:i, s:i, s:I, s:o}", "to", a->to, "output", a->output,
+                                               "level", a->level, "levels", a->level_count, "frames",
+                                               (json_int_t)frames.count, "value_range", iso_json_numbers(range, 2)));
+        iso_cli_print_json(json_incref(root));
     } else {
-        json_decref(root);
-        if (status == ISO_OK)
-            printf("%s: %zu frame%s, values %.9g to %.9g: %s\n", a->output, frames.count,
-                   iso_words_plural(frames.count), frames.build.value_range[0], frames.build.value_range[1],
-                   target->summary);
+        printf("%s: %zu frame%s, values %.9g to %.9g: %s\n", a->output, frames.count, iso_words_plural(frames.count),
+               range[0], range[1], target->summary);
     }
-    return status;
+    return ISO_OK;
 }
 
 /* ---- several volumes ---- */
@@ -264,24 +397,14 @@ static iso_status export_volumes(iso_export_arguments *a, iso_error *err)
                         : a->roi.box                  ? "--roi"
                         : a->isosurface               ? "--isosurface"
                                                       : NULL;
-    NEED(iso_export_check(a, &target, err));
+    NEED(check(a, &target, err));
     if (other)
         return iso_fail(err, ISO_E_USAGE, "%s needs a single volume, without --add and --channels", other);
     if (a->channels && a->input.channel)
         return iso_fail(err, ISO_E_USAGE, "--channel and --channels exclude each other");
     NEED(iso_cli_look_check(&a->look, a->cli->threads, &look, err));
     iso_cli_expect_names(a->cli, true, target->stages, target->name);
-    return iso_export_several_volumes(&(iso_export_several){.cli = a->cli,
-                                                            .input = &a->input,
-                                                            .look = &look,
-                                                            .channels = a->channels,
-                                                            .added = (const char **)a->added,
-                                                            .level = (size_t)a->level,
-                                                            .level_count = (size_t)a->level_count,
-                                                            .step_voxels = a->step == ISO_STEP_OF_SCENE ? 0 : a->step,
-                                                            .output = a->output,
-                                                            .target = target},
-                                      err);
+    return iso_export_several_volumes(a, target, &look, err);
 }
 
 static iso_status make_bake_request(iso_export_arguments *a, iso_error *err)
@@ -353,17 +476,15 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
     iso_export_arguments *a = values;
     a->cli = cli;
     a->adapted.cli = cli;
-    iso_status status = iso_cli_take_cycles(&a->cycles, NULL, err);
-    if (status == ISO_OK && a->background_text) {
+    NEED(iso_cli_take_cycles(&a->cycles, NULL, err));
+    if (a->background_text) {
         double numbers[3] = {0};
-        status = iso_words_parse_numbers(a->background_text, "--background", numbers, err);
+        NEED(iso_words_parse_numbers(a->background_text, "--background", numbers, err));
         a->background = numbers[0];
         a->has_background = true;
     }
-    TRY(status, make_bake_request(a, err));
+    NEED(make_bake_request(a, err));
     a->bake.error_pixels = a->look.size ? 0 : a->bake.error_pixels;
-    if (status != ISO_OK)
-        return status;
     return a->added || a->channels ? export_volumes(a, err) : a->frames ? export_series(a, err) : export_it(a, err);
 }
 

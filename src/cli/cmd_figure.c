@@ -53,34 +53,27 @@ static iso_status parse_background(const char *text, iso_figure_job *job, iso_er
 
 static iso_status take_names(figure_arguments *a, iso_error *err)
 {
-    iso_status status = iso_figure_kind_from_name(&iso_figure_kind_names,
-                                                  a->kind ? a->kind : iso_figure_usual_kind(a->job.input), &a->job.kind,
-                                                  err);
-    TRY(status, iso_colormap_from_name(a->map ? a->map : "magma", &a->job.map, err));
-    if (status == ISO_OK && a->error)
-        status = iso_words_parse_error("--error", a->error, &a->job.error, err);
-    if (status == ISO_OK && a->background)
-        status = parse_background(a->background, &a->job, err);
-    if (status == ISO_OK && a->zoom)
-        status = parse_zoom(a->zoom, &a->job, err);
-    return status;
+    NEED(iso_figure_kind_from_name(&iso_figure_kind_names, a->kind ? a->kind : iso_figure_usual_kind(a->job.input),
+                                   &a->job.kind, err));
+    NEED(iso_colormap_from_name(a->map ? a->map : "magma", &a->job.map, err));
+    if (a->error)
+        NEED(iso_words_parse_error("--error", a->error, &a->job.error, err));
+    if (a->background)
+        NEED(parse_background(a->background, &a->job, err));
+    return a->zoom ? parse_zoom(a->zoom, &a->job, err) : ISO_OK;
 }
 
 static void print_result(const figure_arguments *a)
 {
     const iso_figure_job *job = &a->job;
-    if (!job->cli->json) {
+    if (job->cli->json)
+        iso_cli_print_results(job->cli,
+                              json_pack("{s:{s:s, s:f, s:f, s:f, s:s}, s:s, s:O*}", "options", "kind", job->kind->name,
+                                        "width_mm", job->width_mm, "height_mm", job->height_mm, "dpi", job->dpi, "map",
+                                        job->map->name, "output", a->output, "facts",
+                                        json_object_size(job->facts) ? job->facts : NULL));
+    else
         printf("figure: %s\n", a->output);
-        return;
-    }
-    json_t *root = iso_cli_json(job->cli);
-    json_object_set_new(root, "options",
-                        json_pack("{s:s, s:f, s:f, s:f, s:s}", "kind", job->kind->name, "width_mm", job->width_mm,
-                                  "height_mm", job->height_mm, "dpi", job->dpi, "map", job->map->name));
-    json_object_set_new(root, "output", json_string(a->output));
-    if (json_object_size(job->facts))
-        json_object_set(root, "facts", job->facts);
-    iso_cli_print_json(root);
 }
 
 static const iso_option options[] = {

@@ -193,16 +193,14 @@ static iso_status show(const iso_cli *cli, const iso_volume_input *input, const 
     const iso_progress progress = iso_cli_progress(cli);
     const iso_overview_options opt = {.drawn_bins = picture ? DRAWN_BINS : 0, .threads = cli->threads};
     OWNED(iso_overview) facts = {0};
-    iso_status status = iso_overview_run(path, input, &opt, &facts, &progress, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_overview_run(path, input, &opt, &facts, &progress, err));
     if (picture)
-        status = draw_histogram(path, &facts, picture, err);
-    if (status == ISO_OK && cli->json)
+        NEED(draw_histogram(path, &facts, picture, err));
+    if (cli->json)
         print_json(cli, path, &facts);
-    else if (status == ISO_OK)
+    else
         print_text(path, &facts);
-    return status;
+    return ISO_OK;
 }
 
 /* ---- pyramids ---- */
@@ -213,6 +211,11 @@ typedef struct verified {
     size_t joint_count;
     iso_joint_check *joints;
 } verified;
+
+static void verified_destroy(verified *found)
+{
+    free(found->joints);
+}
 
 /* Returns a level as JSON. check: NULL without --verify. */
 static json_t *level_to_json(const iso_pyramid *p, size_t k, const iso_level_check *check)
@@ -248,25 +251,21 @@ static json_t *joints_to_json(const verified *found)
 static void print_pyramid_json(const iso_cli *cli, const iso_pyramid *p, const verified *found)
 {
     const iso_pyramid_options *opt = &p->options;
-    json_t *root = iso_cli_json(cli), *levels = json_array();
+    json_t *levels = json_array();
     for (size_t k = 0; k < p->level_count; ++k)
         json_array_append_new(levels, level_to_json(p, k, found ? &found->levels[k] : NULL));
-    json_object_update_new(root,
-                           json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:o}", "pyramid", cli->arguments[0],
-                                     "source", p->source, "built_by", p->built_by, "scalar_filter",
-                                     iso_scalar_filter_name(opt->scalar_filter), "direction_filter",
-                                     iso_direction_filter_name(opt->direction_filter), "estimator",
-                                     iso_gradient_name(opt->gradient.method), "code",
-                                     iso_code_describe(opt->code)->name, "verified", found != NULL, "levels", levels));
+    json_t *root = json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:b, s:o}", "pyramid", cli->arguments[0], "source",
+                             p->source, "built_by", p->built_by, "scalar_filter",
+                             iso_scalar_filter_name(opt->scalar_filter), "direction_filter",
+                             iso_direction_filter_name(opt->direction_filter), "estimator",
+                             iso_gradient_name(opt->gradient.method), "code", iso_code_describe(opt->code)->name,
+                             "verified", found != NULL, "levels", levels);
     if (found)
         json_object_set_new(root, "joint_histograms", joints_to_json(found));
     if (p->unit.name[0])
         json_object_set_new(root, "unit", json_pack("{s:s, s:f}", "name", p->unit.name, "mm", p->unit.mm));
-    if (p->segments)
-        json_object_set(root, "segments", p->segments);
-    if (p->made_for)
-        json_object_set(root, "made_for", p->made_for);
-    iso_cli_print_json(root);
+    json_object_update_new(root, json_pack("{s:O*, s:O*}", "segments", p->segments, "made_for", p->made_for));
+    iso_cli_print_results(cli, root);
 }
 
 /* Prints "level 1 least-squares, level 2 fitted" for a pyramid that was built for a scene. */
@@ -314,13 +313,6 @@ static void print_pyramid_text(const iso_cli *cli, const iso_pyramid *p, const v
         printf("  %s\n", iso_joint_check_text(&found->joints[i], text, sizeof text));
 }
 
-static iso_status verify(const iso_cli *cli, const iso_pyramid *p, verified *found, iso_error *err)
-{
-    iso_progress progress = iso_cli_progress(cli);
-    NEED(iso_fit_verify(p, cli->threads, found->levels, &progress, err));
-    return iso_joint_verify(p, cli->arguments[0], cli->threads, &found->joints, &found->joint_count, &progress, err);
-}
-
 /* Reports the first failed check. */
 static iso_status report_failed_check(const iso_cli *cli, const iso_pyramid *p, const verified *found, iso_error *err)
 {
@@ -339,33 +331,19 @@ static iso_status report_failed_check(const iso_cli *cli, const iso_pyramid *p, 
 static iso_status show_pyramid(const iso_cli *cli, bool is_verified, iso_error *err)
 {
     OWNED(iso_pyramid) p = {0};
-    verified found = {0};
-    iso_status status = is_verified ? iso_pyramid_load(cli->arguments[0], &p, err)
-                                    : iso_pyramid_load_outline(cli->arguments[0], &p, err);
-    if (status != ISO_OK)
-        return status;
-    if (is_verified)
-        status = verify(cli, &p, &found, err);
-    if (status == ISO_OK && cli->json)
+    OWNED(verified) found = {0};
+    const iso_progress progress = iso_cli_progress(cli);
+    const char *path = cli->arguments[0];
+    NEED((is_verified ? iso_pyramid_load : iso_pyramid_load_outline)(path, &p, err));
+    if (is_verified) {
+        NEED(iso_fit_verify(&p, cli->threads, found.levels, &progress, err));
+        NEED(iso_joint_verify(&p, path, cli->threads, &found.joints, &found.joint_count, &progress, err));
+    }
+    if (cli->json)
         print_pyramid_json(cli, &p, is_verified ? &found : NULL);
-    else if (status == ISO_OK)
+    else
         print_pyramid_text(cli, &p, is_verified ? &found : NULL);
-    if (status == ISO_OK && is_verified)
-        status = report_failed_check(cli, &p, &found, err);
-    free(found.joints);
-    return status;
-}
-
-static iso_status show_any(const iso_cli *cli, const iso_volume_input *input, bool verify, const char *picture,
-                           iso_error *err)
-{
-    if (picture && iso_pyramid_is_one(cli->arguments[0]))
-        return iso_fail(err, ISO_E_USAGE, "%s: a pyramid; --histogram needs a volume", cli->arguments[0]);
-    if (iso_pyramid_is_one(cli->arguments[0]))
-        return show_pyramid(cli, verify, err);
-    if (verify)
-        return iso_fail(err, ISO_E_USAGE, "%s: a volume; --verify needs a pyramid", cli->arguments[0]);
-    return show(cli, input, picture, err);
+    return is_verified ? report_failed_check(cli, &p, &found, err) : ISO_OK;
 }
 
 typedef struct info_options {
@@ -385,7 +363,13 @@ static const iso_option options[] = {
 static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     const info_options *o = values;
-    return show_any(cli, &o->input, o->verify, o->picture, err);
+    const char *path = cli->arguments[0];
+    const bool is_pyramid = iso_pyramid_is_one(path);
+    if (o->picture && is_pyramid)
+        return iso_fail(err, ISO_E_USAGE, "%s: a pyramid; --histogram needs a volume", path);
+    if (o->verify && !is_pyramid)
+        return iso_fail(err, ISO_E_USAGE, "%s: a volume; --verify needs a pyramid", path);
+    return is_pyramid ? show_pyramid(cli, o->verify, err) : show(cli, &o->input, o->picture, err);
 }
 
 const iso_command iso_command_info = {

@@ -66,7 +66,7 @@ static void print_markdown(const iso_names *names)
 
 static iso_status list(const iso_cli *cli, bool markdown)
 {
-    json_t *all = json_array();
+    json_auto_t *all = json_array();
     if (markdown && !cli->json)
         printf("# Names\n\nThe values of options. `make reference` writes this page from the program's tables;\n"
                "[extending.md](../extending.md) shows how to add a row.\n\n");
@@ -86,13 +86,8 @@ static iso_status list(const iso_cli *cli, bool markdown)
     iso_sandbox_describe(sandbox, sizeof sandbox);
     if (!cli->json && !markdown) /* depends on the machine, unlike the tables */
         printf("\nsandbox:\n  %s\n", sandbox);
-    if (cli->json) {
-        json_t *root = iso_cli_json(cli);
-        json_object_set(root, "lists", all);
-        json_object_set_new(root, "sandbox", json_string(sandbox));
-        iso_cli_print_json(root);
-    }
-    json_decref(all);
+    if (cli->json)
+        iso_cli_print_results(cli, json_pack("{s:O, s:s}", "lists", all, "sandbox", sandbox));
     return ISO_OK;
 }
 
@@ -138,11 +133,8 @@ static iso_status list_gl(const iso_cli *cli)
         list_device(choice, rows);
     }
     list_device("surfaceless", rows);
-    if (rows) {
-        json_t *root = iso_cli_json(cli);
-        json_object_set_new(root, "gl_devices", rows);
-        iso_cli_print_json(root);
-    }
+    if (rows)
+        iso_cli_print_results(cli, json_pack("{s:o}", "gl_devices", rows));
     return ISO_OK;
 }
 

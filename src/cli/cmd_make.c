@@ -125,15 +125,15 @@ static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso
     iso_progress progress = iso_cli_progress(cli);
     iso_cli_expect(cli, &(iso_cli_stage){"make", 1}, 1);
     FREED void *planes = malloc(slab * plane);
-    iso_status status = planes ? ISO_OK
-                               : iso_fail(err, ISO_E_MEMORY, "no memory for %zu bytes of planes", slab * plane);
-    for (size_t z = 0; status == ISO_OK && z < n[2]; z += slab) {
+    if (!planes)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu bytes of planes", slab * plane);
+    for (size_t z = 0; z < n[2]; z += slab) {
         size_t end = z + slab < n[2] ? z + slab : n[2];
-        status = iso_field_sample_planes(field, type, z, end, cli->threads, planes, err);
-        TRY(status, iso_sink_write(sink, end - z, planes, err));
+        NEED(iso_field_sample_planes(field, type, z, end, cli->threads, planes, err));
+        NEED(iso_sink_write(sink, end - z, planes, err));
         iso_progress_report(&progress, "make", (double)end / (double)n[2]);
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status make_volume(const iso_cli *cli, const make_options *opt, iso_error *err)
@@ -141,26 +141,22 @@ static iso_status make_volume(const iso_cli *cli, const make_options *opt, iso_e
     iso_field field = {.seed = (uint64_t)opt->seed, .grain = opt->grain};
     iso_volume like = {.notes = {.scale_slope = 1}};
     iso_volume_sink *sink;
-    iso_status status = iso_field_from_name(cli->arguments[0], &field.kind, err);
-    TRY(status, iso_type_from_name(opt->type ? opt->type : "uint16", &like.type, err));
-    TRY(status, parse_range(opt->range, like.type, &field, err));
-    TRY(status, parse_geometry(opt, &field.geometry, err));
+    NEED(iso_field_from_name(cli->arguments[0], &field.kind, err));
+    NEED(iso_type_from_name(opt->type ? opt->type : "uint16", &like.type, err));
+    NEED(parse_range(opt->range, like.type, &field, err));
+    NEED(parse_geometry(opt, &field.geometry, err));
     like.geometry = field.geometry;
-    TRY(status, iso_sink_open(opt->output, &like, opt->gzip, &sink, err));
-    if (status != ISO_OK)
-        return status;
-    status = write_slabs(&field, sink, like.type, cli, err);
+    NEED(iso_sink_open(opt->output, &like, opt->gzip, &sink, err));
+    iso_status status = write_slabs(&field, sink, like.type, cli, err);
     if (status == ISO_OK)
         status = iso_sink_commit(sink, err);
     else
         iso_sink_abandon(sink);
-    if (status == ISO_OK && cli->json) {
-        json_t *root = iso_cli_json(cli);
-        json_object_set_new(root, "output", json_string(opt->output));
-        json_object_set_new(root, "voxels", json_integer((json_int_t)iso_geometry_voxel_count(&field.geometry)));
-        iso_cli_print_json(root);
-    }
-    return status;
+    NEED(status);
+    if (cli->json)
+        iso_cli_print_results(cli, json_pack("{s:s, s:I}", "output", opt->output, "voxels",
+                                             (json_int_t)iso_geometry_voxel_count(&field.geometry)));
+    return ISO_OK;
 }
 
 static const iso_option options[] = {

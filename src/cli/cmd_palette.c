@@ -8,12 +8,103 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "cli/palette_sets.h"
-#include "pyramid/palette_level.h"
-#include "palette/palette_picture.h"
+#include "options/cli.h"
+#include "options/input.h"
+#include "options/transfer.h"
 #include "palette/palette.h"
+#include "palette/palette_picture.h"
+#include "pyramid/palette_level.h"
 #include "pyramid/pyramid.h"
 #include "tf/presets.h"
+
+typedef struct palette_arguments {
+    const iso_cli *cli;
+    iso_volume_input input;
+    iso_cli_transfer transfer; /* options for the file of --tf */
+    iso_tf_request request;    /* read from them */
+    char **outputs;            /* ends with NULL */
+    char *method, *tf;
+    int entries, seed, level, per_level, by_magnitude;
+} palette_arguments;
+
+/* Makes a table of weights, the TF's opacity over one voxel; to be freed. */
+static iso_status opacity_weights(const palette_arguments *a, const iso_tf *tf, const iso_geometry *g,
+                                  const double range[2], iso_palette_weighting *w, float **table, iso_error *err)
+{
+    OWNED(iso_tf_table) t = {0};
+    NEED(iso_tf_tabulate(tf, range[0], range[1], g, &t, err));
+    if (!(*table = malloc(t.count * sizeof **table)))
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory for %zu weights", a->tf, t.count);
+    double length = iso_geometry_mean_spacing_mm(g);
+    for (size_t i = 0; i < t.count; ++i)
+        (*table)[i] = (float)-expm1(-(double)t.entries[4 * i + 3] * length);
+    w->by_value = *table;
+    w->by_value_count = t.count;
+    w->by_value_lo = t.lo;
+    w->by_value_hi = t.hi;
+    return ISO_OK;
+}
+
+ISO_ENDING(end_pool, iso_direction_pool, iso_direction_pool_destroy)
+ISO_ENDING(end_lookup, iso_palette_lookup, iso_palette_lookup_destroy)
+
+/* Gathers the gradients of a volume's file. Plain counts need one pass over the file and little memory; weights first
+ * need the volume's range. */
+static iso_status gather_volume(const palette_arguments *a, const char *path, iso_direction_set *set, iso_error *err)
+{
+    iso_gradient_options gradient = iso_gradient_defaults();
+    iso_palette_weighting w = {.by_magnitude = a->by_magnitude};
+    iso_progress progress = iso_cli_progress(a->cli);
+    ENDED_BY(end_pool) iso_direction_pool *pool = NULL;
+    OWNED(iso_volume) v = {0};
+    OWNED(iso_tf) tf = {0};
+    FREED float *table = NULL;
+    gradient.threads = a->cli->threads;
+    NEED(iso_direction_pool_create(&pool, a->cli->threads, err));
+    if (!a->tf && !a->by_magnitude) {
+        ENDED_BY(iso_source_close_owned) iso_volume_source *source = NULL;
+        NEED(iso_volume_input_open(path, &a->input, &source, err));
+        NEED(iso_palette_sample_source(pool, source, &gradient, &w, &progress, err));
+        return iso_direction_pool_finish(pool, set, err);
+    }
+    NEED(iso_volume_input_load(path, &a->input, &v, err));
+    const iso_volume_stats stats = iso_volume_measure(&v);
+    w.value_span = stats.max - stats.min;
+    if (a->tf) {
+        NEED(iso_tf_of_volume(a->tf, &a->request, &v, a->cli->threads, &tf, err));
+        NEED(opacity_weights(a, &tf, &v.geometry, (double[]){stats.min, stats.max}, &w, &table, err));
+    }
+    NEED(iso_palette_sample_volume(pool, &v, &gradient, &w, &progress, err));
+    return iso_direction_pool_finish(pool, set, err);
+}
+
+/* Gathers the directions of levels first to last: floats if the pyramid keeps them, otherwise decoded ones. */
+static iso_status gather_pyramid(const palette_arguments *a, const iso_pyramid *p, size_t first, size_t last,
+                                 iso_direction_set *set, iso_error *err)
+{
+    const iso_level *finest = &p->levels[0];
+    iso_palette_weighting w = {.by_magnitude = a->by_magnitude, .value_span = finest->max - finest->min};
+    ENDED_BY(end_pool) iso_direction_pool *pool = NULL;
+    OWNED(iso_tf) tf = {0};
+    FREED float *table = NULL;
+    NEED(iso_direction_pool_create(&pool, a->cli->threads, err));
+    if (a->tf) {
+        NEED(iso_tf_of_level(a->tf, &a->request, NULL, finest, a->cli->threads, &tf, err));
+        NEED(opacity_weights(a, &tf, &finest->geometry, (double[]){finest->min, finest->max}, &w, &table, err));
+    }
+    for (size_t k = first; k <= last; ++k) {
+        const iso_level *l = &p->levels[k];
+        const float *directions;
+        FREED float *owned = NULL;
+        if (a->by_magnitude && !l->magnitude)
+            return iso_fail(err, ISO_E_RANGE,
+                            "--by-magnitude: level %zu has no magnitudes; build the pyramid with --keep-magnitude", k);
+        NEED(iso_level_directions(l, p->options.code, &directions, &owned, err));
+        NEED(iso_palette_sample_field(pool, directions, l->scalar, l->magnitude, iso_geometry_voxel_count(&l->geometry),
+                                      &w, err));
+    }
+    return iso_direction_pool_finish(pool, set, err);
+}
 
 /* A fitted palette, with the directions it was fitted to. */
 typedef struct fitted {
@@ -32,7 +123,7 @@ static void fitted_destroy(fitted *f)
 
 /* ---- options ---------------------------------------------------------------------------- */
 
-static iso_status check_outputs(const iso_palette_arguments *a, iso_error *err)
+static iso_status check_outputs(const palette_arguments *a, iso_error *err)
 {
     static const char *const endings[] = {".csv", ".png", ".exr", ".inc", ".py", ".nrrd"};
     for (char **path = a->outputs; path && *path; ++path) {
@@ -45,47 +136,34 @@ static iso_status check_outputs(const iso_palette_arguments *a, iso_error *err)
     return ISO_OK;
 }
 
-static iso_status to_options(const iso_palette_arguments *a, iso_palette_options *out, iso_error *err)
+static iso_status to_options(const palette_arguments *a, iso_palette_options *out, iso_error *err)
 {
     *out = iso_palette_defaults();
-    iso_status status = ISO_OK;
     if (a->method)
-        status = iso_palette_method_from_name(a->method, &out->method, err);
-    TRY(status, check_outputs(a, err));
+        NEED(iso_palette_method_from_name(a->method, &out->method, err));
     out->directions = (size_t)a->entries;
     out->seed = (uint64_t)a->seed;
-    return status;
+    return check_outputs(a, err);
 }
 
 /* ---- outputs -------------------------------------------------------------------------------- */
 
-/* Writes the indices of count vectors as 1 byte each, or as 2 if 1 is too small. */
-static void index_vectors(const iso_palette_lookup *lookup, bool bytes, const float *vectors, void *out, size_t count)
-{
-    if (bytes)
-        iso_palette_assign8(lookup, vectors, out, count);
-    else
-        iso_palette_assign(lookup, vectors, out, count);
-}
-
 static iso_status save_indices(const iso_palette *palette, const iso_geometry *g, const float *vectors,
                                const char *path, iso_error *err)
 {
-    bool bytes = palette->count <= 256;
-    iso_palette_lookup *lookup = NULL;
-    iso_volume index = {0};
-    iso_status status = iso_palette_lookup_create(palette, &lookup, err);
-    TRY(status, iso_volume_create(&index, g, bytes ? ISO_U8 : ISO_U16, path, err));
-    if (status == ISO_OK) {
-        index_vectors(lookup, bytes, vectors, index.data, iso_geometry_voxel_count(g));
-        status = iso_volume_save(&index, path, false, err);
-    }
-    iso_volume_destroy(&index);
-    iso_palette_lookup_destroy(lookup);
-    return status;
+    const bool bytes = palette->count <= 256;
+    ENDED_BY(end_lookup) iso_palette_lookup *lookup = NULL;
+    OWNED(iso_volume) index = {0};
+    NEED(iso_palette_lookup_create(palette, &lookup, err));
+    NEED(iso_volume_create(&index, g, bytes ? ISO_U8 : ISO_U16, path, err));
+    if (bytes)
+        iso_palette_assign8(lookup, vectors, index.data, iso_geometry_voxel_count(g));
+    else
+        iso_palette_assign(lookup, vectors, index.data, iso_geometry_voxel_count(g));
+    return iso_volume_save(&index, path, false, err);
 }
 
-static iso_status save_volume_indices(const iso_palette_arguments *a, const iso_palette *palette, const char *path,
+static iso_status save_volume_indices(const palette_arguments *a, const iso_palette *palette, const char *path,
                                       iso_error *err)
 {
     iso_gradient_options gradient = iso_gradient_defaults();
@@ -120,7 +198,7 @@ static char *level_path(const char *path, long level)
 }
 
 /* Saves one output. Indices of a pyramid's levels go to one file per level. */
-static iso_status save_one(const iso_palette_arguments *a, const iso_pyramid *p, const fitted *f, const char *path,
+static iso_status save_one(const palette_arguments *a, const iso_pyramid *p, const fitted *f, const char *path,
                            iso_error *err)
 {
     FREED char *note = iso_cli_command_line(a->cli);
@@ -146,7 +224,7 @@ static iso_status save_one(const iso_palette_arguments *a, const iso_pyramid *p,
     return ISO_OK;
 }
 
-static iso_status save_all(const iso_palette_arguments *a, const iso_pyramid *p, const fitted *f, iso_error *err)
+static iso_status save_all(const palette_arguments *a, const iso_pyramid *p, const fitted *f, iso_error *err)
 {
     for (char **path = a->outputs; path && *path; ++path) {
         FREED char *name = level_path(*path, a->per_level ? f->level : -1);
@@ -157,13 +235,13 @@ static iso_status save_all(const iso_palette_arguments *a, const iso_pyramid *p,
 
 /* ---- the command ------------------------------------------------------------------------------ */
 
-static iso_status fit(const iso_palette_arguments *a, const iso_palette_options *opt, fitted *f, iso_error *err)
+static iso_status fit(const palette_arguments *a, const iso_palette_options *opt, fitted *f, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(a->cli);
     double start = iso_clock_seconds();
-    iso_status status = iso_palette_fit(&f->set, opt, &f->palette, &progress, err);
+    NEED(iso_palette_fit(&f->set, opt, &f->palette, &progress, err));
     f->fit_seconds = iso_clock_seconds() - start;
-    return status == ISO_OK ? iso_palette_measure(&f->set, &f->palette, &f->error, err) : status;
+    return iso_palette_measure(&f->set, &f->palette, &f->error, err);
 }
 
 static double total_weight(const iso_direction_set *set)
@@ -174,7 +252,7 @@ static double total_weight(const iso_direction_set *set)
     return sum;
 }
 
-static void report(const iso_palette_arguments *a, const iso_palette_options *opt, const fitted *f, json_t *palettes)
+static void report(const palette_arguments *a, const iso_palette_options *opt, const fitted *f, json_t *palettes)
 {
     json_t *row = json_pack("{s:s, s:I, s:i, s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "method",
                             iso_palette_method_name(opt->method), "entries", (json_int_t)f->palette.count, "index_bits",
@@ -201,28 +279,26 @@ static void report(const iso_palette_arguments *a, const iso_palette_options *op
 }
 
 /* Gathers, fits, saves and reports one palette. */
-static iso_status make_one(const iso_palette_arguments *a, const iso_palette_options *opt, const iso_pyramid *p,
-                           long level, json_t *palettes, iso_error *err)
+static iso_status make_one(const palette_arguments *a, const iso_palette_options *opt, const iso_pyramid *p, long level,
+                           json_t *palettes, iso_error *err)
 {
     const iso_cli_stage stages[] = {{"directions", 1}, {"palette", 3}};
     OWNED(fitted) f = {.level = level};
     double start = iso_clock_seconds();
     iso_cli_expect(a->cli, stages, sizeof stages / sizeof *stages);
-    iso_status status;
     if (!p)
-        status = iso_palette_volume_set(a, a->cli->arguments[0], &f.set, err);
+        NEED(gather_volume(a, a->cli->arguments[0], &f.set, err));
     else
-        status = iso_palette_pyramid_set(a, p, level < 0 ? 0 : (size_t)level,
-                                         level < 0 ? p->level_count - 1 : (size_t)level, &f.set, err);
+        NEED(gather_pyramid(a, p, level < 0 ? 0 : (size_t)level, level < 0 ? p->level_count - 1 : (size_t)level, &f.set,
+                            err));
     f.sample_seconds = iso_clock_seconds() - start;
-    TRY(status, fit(a, opt, &f, err));
-    TRY(status, save_all(a, p, &f, err));
-    if (status == ISO_OK)
-        report(a, opt, &f, palettes);
-    return status;
+    NEED(fit(a, opt, &f, err));
+    NEED(save_all(a, p, &f, err));
+    report(a, opt, &f, palettes);
+    return ISO_OK;
 }
 
-static iso_status make_all(const iso_palette_arguments *a, iso_error *err)
+static iso_status make_all(const palette_arguments *a, iso_error *err)
 {
     iso_palette_options opt;
     OWNED(iso_pyramid) p = {0};
@@ -239,12 +315,8 @@ static iso_status make_all(const iso_palette_arguments *a, iso_error *err)
     json_auto_t *palettes = json_array();
     for (size_t k = 0; k < (a->per_level ? p.level_count : 1); ++k)
         NEED(make_one(a, &opt, is_pyramid ? &p : NULL, a->per_level ? (long)k : a->level, palettes, err));
-    if (a->cli->json) {
-        json_t *root = iso_cli_json(a->cli);
-        json_object_set_new(json_object_get(root, "options"), "seed", json_integer(a->seed));
-        json_object_set(root, "palettes", palettes);
-        iso_cli_print_json(root);
-    }
+    if (a->cli->json)
+        iso_cli_print_results(a->cli, json_pack("{s:{s:i}, s:O}", "options", "seed", a->seed, "palettes", palettes));
     return ISO_OK;
 }
 
@@ -252,32 +324,32 @@ static const iso_option options[] = {
     {"output", 'o',
      "output, repeatable: .csv, .inc (POV-Ray), .py (Blender), .exr (row of floats), "
      ".png, .nrrd (indices)",
-     "FILE", ISO_IN(iso_palette_arguments, outputs)},
-    {"entries", 0, "number of directions, without the zero vector", "N", ISO_IN(iso_palette_arguments, entries),
+     "FILE", ISO_IN(palette_arguments, outputs)},
+    {"entries", 0, "number of directions, without the zero vector", "N", ISO_IN(palette_arguments, entries),
      .flags = ISO_SHOWN, .least = 1, .most = ISO_PALETTE_MAX},
-    {"method", 0, "kmeans (default), or fibonacci", "NAME", ISO_IN(iso_palette_arguments, method)},
-    {"seed", 0, "seed of the random numbers", "N", ISO_IN(iso_palette_arguments, seed), .flags = ISO_SHOWN,
+    {"method", 0, "kmeans (default), or fibonacci", "NAME", ISO_IN(palette_arguments, method)},
+    {"seed", 0, "seed of the random numbers", "N", ISO_IN(palette_arguments, seed), .flags = ISO_SHOWN,
      .most = 2147483647},
-    {"by-magnitude", 0, "weight voxels by their gradient magnitude", NULL, ISO_IN(iso_palette_arguments, by_magnitude)},
+    {"by-magnitude", 0, "weight voxels by their gradient magnitude", NULL, ISO_IN(palette_arguments, by_magnitude)},
     {"tf", 0, "weight voxels by opacity under this transfer function, a file or preset", "FILE|PRESET",
-     ISO_IN(iso_palette_arguments, tf)},
-    ISO_OPTIONS_OF(iso_palette_arguments, transfer, iso_transfer_rows),
-    {"level", 0, "pyramids: only this level (one palette for all levels)", "K", ISO_IN(iso_palette_arguments, level),
+     ISO_IN(palette_arguments, tf)},
+    ISO_OPTIONS_OF(palette_arguments, transfer, iso_transfer_rows),
+    {"level", 0, "pyramids: only this level (one palette for all levels)", "K", ISO_IN(palette_arguments, level),
      .most = 31},
     {"per-level", 0, "pyramids: one palette per level, in files NAME_level_K", NULL,
-     ISO_IN(iso_palette_arguments, per_level)},
-    ISO_OPTIONS_OF(iso_palette_arguments, input, iso_input_rows),
+     ISO_IN(palette_arguments, per_level)},
+    ISO_OPTIONS_OF(palette_arguments, input, iso_input_rows),
     ISO_OPTIONS_END,
 };
 
 static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
-    iso_palette_arguments *a = values;
+    palette_arguments *a = values;
     a->cli = cli;
-    iso_status status = iso_cli_transfer_request(&a->transfer, &a->request, err);
-    if (status == ISO_OK && a->tf)
-        status = iso_tf_check_name(a->tf, &a->request, err);
-    return status == ISO_OK ? make_all(a, err) : status;
+    NEED(iso_cli_transfer_request(&a->transfer, &a->request, err));
+    if (a->tf)
+        NEED(iso_tf_check_name(a->tf, &a->request, err));
+    return make_all(a, err);
 }
 
 const iso_command iso_command_palette = {
@@ -294,6 +366,6 @@ const iso_command iso_command_palette = {
                 "  isoshade palette v.nrrd -o palette.csv -o palette.png -o index.nrrd\n"
                 "  isoshade palette v.nrrd --entries 1022 --by-magnitude -o palette.inc -o palette.py\n",
     .lists = (const iso_names *const[]){&iso_palette_method_names, &iso_tf_preset_names, NULL},
-    ISO_COMMAND_OPTIONS(iso_palette_arguments, options, .entries = 254, .seed = 1, .level = -1),
+    ISO_COMMAND_OPTIONS(palette_arguments, options, .entries = 254, .seed = 1, .level = -1),
     .run = run,
 };

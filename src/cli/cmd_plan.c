@@ -34,6 +34,16 @@ typedef struct plan_update {
     bool equal;
 } plan_update;
 
+typedef struct scene_views {
+    iso_view *views;
+    size_t count;
+} scene_views;
+
+static void scene_views_destroy(scene_views *v)
+{
+    iso_planner_destroy_views(v->views, v->count);
+}
+
 /* ---- update ---------------------------------------------------------------------- */
 
 /* Bakes the older plan, then the differences of the new one, and for comparison the new one from nothing. */
@@ -41,17 +51,15 @@ static iso_status bake_both(const iso_brick_field *older, const uint8_t *older_d
                             const uint8_t *drawn, int threads, plan_update *u, iso_error *err)
 {
     OWNED(iso_brick_store) store = {0}, scratch = {0};
-    iso_status status = iso_brick_store_update(&store, older, older_drawn, threads, NULL, err);
-    double start = iso_clock_seconds();
-    TRY(status, iso_brick_store_update(&store, newer, drawn, threads, &u->baked_count, err));
-    double middle = iso_clock_seconds();
-    TRY(status, iso_brick_store_update(&scratch, newer, drawn, threads, &u->drawn_count, err));
+    NEED(iso_brick_store_update(&store, older, older_drawn, threads, NULL, err));
+    const double start = iso_clock_seconds();
+    NEED(iso_brick_store_update(&store, newer, drawn, threads, &u->baked_count, err));
+    const double middle = iso_clock_seconds();
+    NEED(iso_brick_store_update(&scratch, newer, drawn, threads, &u->drawn_count, err));
     u->scratch_seconds = iso_clock_seconds() - middle;
     u->update_seconds = middle - start;
-    u->equal = status == ISO_OK && iso_brick_store_equal(&store, &scratch, newer->nodes);
-    if (status == ISO_OK && !u->equal)
-        status = iso_fail(err, ISO_E_UNTRUSTED, "plan: the updated bricks differ from a full bake");
-    return status;
+    u->equal = iso_brick_store_equal(&store, &scratch, newer->nodes);
+    return u->equal ? ISO_OK : iso_fail(err, ISO_E_UNTRUSTED, "plan: the updated bricks differ from a full bake");
 }
 
 static iso_status update_from(const plan_arguments *a, const iso_planner *p, int threads, plan_update *u,
@@ -73,17 +81,6 @@ static iso_status update_from(const plan_arguments *a, const iso_planner *p, int
 }
 
 /* ---- the report ------------------------------------------------------------------ */
-
-static json_t *to_json(const iso_planner *p, const plan_arguments *a, const plan_update *u)
-{
-    json_t *plan = iso_planner_json(p, a->error);
-    if (a->update)
-        json_object_set_new(plan, "update",
-                            json_pack("{s:I, s:I, s:I, s:b}", "changed_count", (json_int_t)u->changed_count,
-                                      "baked_count", (json_int_t)u->baked_count, "drawn_count",
-                                      (json_int_t)u->drawn_count, "equals_from_nothing", u->equal));
-    return plan;
-}
 
 /* True if the image is nearly as far from the full one as an empty image is. */
 static bool shows_little(const iso_planner *p)
@@ -110,21 +107,23 @@ static void print_report(const iso_planner *p, const plan_arguments *a, const pl
 static iso_status report(const iso_planner *p, const plan_arguments *a, const plan_update *u, const iso_cli *cli,
                          iso_error *err)
 {
-    json_t *plan = to_json(p, a, u), *root = iso_cli_json(cli);
-    json_object_update(root, plan);
-    json_decref(plan);
-    iso_status status = a->output ? iso_json_save(a->output, root, err) : ISO_OK;
-    if (status == ISO_OK && shows_little(p) && !cli->quiet)
+    json_auto_t *root = iso_cli_json(cli);
+    json_object_update_new(root, iso_planner_json(p, a->error));
+    if (a->update)
+        json_object_set_new(root, "update",
+                            json_pack("{s:I, s:I, s:I, s:b}", "changed_count", (json_int_t)u->changed_count,
+                                      "baked_count", (json_int_t)u->baked_count, "drawn_count",
+                                      (json_int_t)u->drawn_count, "equals_from_nothing", u->equal));
+    if (a->output)
+        NEED(iso_json_save(a->output, root, err));
+    if (shows_little(p) && !cli->quiet)
         fprintf(stderr, "isoshade plan: warning: the RMSE %.3g is near that of an empty image (%.3g); %s\n",
                 p->best.measured.rmse, p->blank_rmse, a->memory == NO_MEMORY ? "lower --error" : "raise --memory");
-    if (status == ISO_OK && cli->json) {
-        iso_cli_print_json(root);
-        return ISO_OK;
-    }
-    json_decref(root);
-    if (status == ISO_OK)
+    if (cli->json)
+        iso_cli_print_json(json_incref(root));
+    else
         print_report(p, a, u);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status plan_views(const plan_arguments *a, const iso_cli *cli, iso_node_levels *nodes, const iso_view *views,
@@ -167,26 +166,20 @@ static iso_status plan(const plan_arguments *a, const iso_cli *cli, iso_error *e
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     iso_pyramid_options build = iso_pyramid_defaults();
     OWNED(iso_pyramid) pyramid = {0};
-    iso_node_levels nodes = {0};
-    iso_view *views = NULL;
+    OWNED(scene_views) views = {0};
+    OWNED(iso_node_levels) nodes = {0};
     iso_subject_look look;
-    size_t view_count = 0;
     build.level_count = 1;
     build.threads = cli->threads;
-    iso_status status = check(a, err);
-    TRY(status, iso_cli_look_take(&a->look, cli->threads, &look, err));
-    TRY(status, iso_planner_check_views(&look, err));
-    TRY(status, iso_subject_begin_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err));
-    TRY(status, iso_planner_check_pyramid(&pyramid, cli->arguments[0], err));
-    TRY(status, iso_planner_load_views(&look, (size_t)a->views, &pyramid, &views, &view_count, err));
-    if (status == ISO_OK)
-        warn_of_views(cli, &pyramid, views, view_count);
-    TRY(status,
-        iso_node_levels_begin(&nodes, &pyramid.levels[0], (size_t)a->brick, (size_t)a->levels, cli->threads, err));
-    TRY(status, plan_views(a, cli, &nodes, views, view_count, err));
-    iso_node_levels_destroy(&nodes);
-    iso_planner_destroy_views(views, view_count);
-    return status;
+    NEED(check(a, err));
+    NEED(iso_cli_look_take(&a->look, cli->threads, &look, err));
+    NEED(iso_planner_check_views(&look, err));
+    NEED(iso_subject_begin_pyramid(cli->arguments[0], &a->input, &build, &progress, &pyramid, err));
+    NEED(iso_planner_check_pyramid(&pyramid, cli->arguments[0], err));
+    NEED(iso_planner_load_views(&look, (size_t)a->views, &pyramid, &views.views, &views.count, err));
+    warn_of_views(cli, &pyramid, views.views, views.count);
+    NEED(iso_node_levels_begin(&nodes, &pyramid.levels[0], (size_t)a->brick, (size_t)a->levels, cli->threads, err));
+    return plan_views(a, cli, &nodes, views.views, views.count, err);
 }
 
 static const iso_option options[] = {
@@ -213,8 +206,9 @@ static const iso_option options[] = {
 static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     plan_arguments *a = values;
-    const iso_status status = a->error_text ? iso_words_parse_error("--error", a->error_text, &a->error, err) : ISO_OK;
-    return status == ISO_OK ? plan(a, cli, err) : status;
+    if (a->error_text)
+        NEED(iso_words_parse_error("--error", a->error_text, &a->error, err));
+    return plan(a, cli, err);
 }
 
 const iso_command iso_command_plan = {

@@ -8,9 +8,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "cli/cycles_options.h"
-#include "cli/render_options.h"
-#include "cli/render_result.h"
-#include "cli/render_paged.h"
+#include "cli/render.h"
 #include "plan/cached.h"
 #include "options/cli.h"
 #include "options/visible.h"
@@ -29,17 +27,16 @@
 static iso_status take_build(const iso_render_arguments *a, const char *path, iso_pyramid_options *build,
                              iso_error *err)
 {
-    iso_status status = ISO_OK;
     if ((a->direction_filter || a->estimator) && iso_pyramid_is_one(path))
         return iso_fail(err, ISO_E_USAGE,
                         "--direction-filter and --estimator need a volume; %s keeps those of its build", path);
     if (a->estimator)
-        status = iso_gradient_from_name(a->estimator, &build->gradient.method, err);
-    if (status == ISO_OK && a->direction_filter)
-        status = iso_direction_filter_from_name(a->direction_filter, &build->direction_filter, err);
-    if (status == ISO_OK && a->code)
-        status = iso_code_from_name(a->code, &build->code, err);
-    return status == ISO_OK ? iso_pyramid_check_options(build, err) : status;
+        NEED(iso_gradient_from_name(a->estimator, &build->gradient.method, err));
+    if (a->direction_filter)
+        NEED(iso_direction_filter_from_name(a->direction_filter, &build->direction_filter, err));
+    if (a->code)
+        NEED(iso_code_from_name(a->code, &build->code, err));
+    return iso_pyramid_check_options(build, err);
 }
 
 /* Encodes the directions of a pyramid on disk by another code; needs its floats. */
@@ -75,10 +72,10 @@ static iso_status attach_palette(const iso_render_arguments *a, const iso_render
     if (!a->palette || !is_from_palette(opt->source))
         return iso_fail(err, ISO_E_USAGE,
                         "--palette FILE.csv and --shading-from palette or palette-nearest need each other");
-    iso_status status = iso_palette_load_csv(a->palette, palette, err);
-    if (status == ISO_OK && (size_t)a->level < p->level_count)
-        status = iso_level_attach_palette(&p->levels[a->level], p->options.code, palette, err);
-    return status;
+    NEED(iso_palette_load_csv(a->palette, palette, err));
+    return (size_t)a->level < p->level_count
+               ? iso_level_attach_palette(&p->levels[a->level], p->options.code, palette, err)
+               : ISO_OK;
 }
 
 /* Renders by bricks, in a cache of --cache-bytes. */
@@ -95,13 +92,12 @@ static iso_status render_cached(const iso_render_arguments *a, const iso_cli *cl
                                   .threads = cli->threads,
                                   .report = &r};
     iso_gl *gl = NULL;
-    iso_status status = q->options->renderer == &iso_renderer_cpu ? ISO_OK
-                                                                  : iso_renderers_need_gl(q->renderers, &gl, err);
-    TRY(status, iso_cached_render(gl, &q->pyramid->levels[0], q->view, &o, image, q->progress, err));
+    if (q->options->renderer != &iso_renderer_cpu)
+        NEED(iso_renderers_need_gl(q->renderers, &gl, err));
+    NEED(iso_cached_render(gl, &q->pyramid->levels[0], q->view, &o, image, q->progress, err));
     *seconds = r.seconds;
-    if (status == ISO_OK)
-        iso_render_report_cache(&r, cli);
-    return status;
+    iso_render_report_cache(&r, cli);
+    return ISO_OK;
 }
 
 /* Returns the step of the picture; of a limit, the finer of its first two. */
@@ -126,10 +122,10 @@ static iso_status render_limit(const iso_render_arguments *a, const iso_cli *cli
     o.planes = (size_t)a->planes;
     o.intervals = (size_t)a->intervals;
     o.threads = cli->threads;
-    iso_status status = iso_pyramid_check_level(q->pyramid, NULL, q->level, err);
-    TRY(status, iso_limit_render(q, q->options->renderer, &o, image, err));
+    NEED(iso_pyramid_check_level(q->pyramid, NULL, q->level, err));
+    NEED(iso_limit_render(q, q->options->renderer, &o, image, err));
     *seconds = iso_clock_seconds() - start;
-    return status;
+    return ISO_OK;
 }
 
 /* Checks the options before the volume is read, and sets how its pyramid is built. */
@@ -141,9 +137,22 @@ static iso_status prepare(const iso_render_arguments *a, const iso_cli *cli, iso
     build->threads = cli->threads;
     build->level_count = (size_t)a->level + 1;
     build->keep_float = opt->source == ISO_FROM_FLOAT || is_from_palette(opt->source);
-    iso_status status = take_build(a, cli->arguments[0], build, err);
-    TRY(status, iso_render_check_output(a, err));
-    return status == ISO_OK ? iso_cli_look_check(&a->look, cli->threads, look, err) : status;
+    NEED(take_build(a, cli->arguments[0], build, err));
+    NEED(iso_render_check_output(a, err));
+    return iso_cli_look_check(&a->look, cli->threads, look, err);
+}
+
+/* A pyramid, and the level whose palette is borrowed. */
+typedef struct shown_pyramid {
+    iso_pyramid pyramid;
+    size_t level;
+} shown_pyramid;
+
+static void shown_pyramid_destroy(shown_pyramid *s)
+{
+    if (s->level < s->pyramid.level_count)
+        iso_level_detach_palette(&s->pyramid.levels[s->level]);
+    iso_pyramid_destroy(&s->pyramid);
 }
 
 /* A frame of a series; series is NULL for a single volume. */
@@ -177,12 +186,12 @@ static iso_status load_subject(const iso_render_arguments *a, const iso_cli *cli
 static iso_status enlarge(const iso_image *small, size_t shift, size_t width, size_t height, iso_image *large,
                           iso_error *err)
 {
-    const iso_status status = iso_image_create(large, width, height, err);
-    for (size_t i = 0; status == ISO_OK && i < width * height; ++i) {
+    NEED(iso_image_create(large, width, height, err));
+    for (size_t i = 0; i < width * height; ++i) {
         const size_t x = i % width >> shift, y = i / width >> shift;
         memcpy(large->rgba + 4 * i, small->rgba + 4 * (x + small->width * y), 4 * sizeof *large->rgba);
     }
-    return status;
+    return ISO_OK;
 }
 
 /* True if the scene is the same at every level. */
@@ -200,98 +209,70 @@ static iso_status save_coarse(const iso_render_arguments *a, const iso_cli *cli,
     iso_render_request part = *q;
     iso_render_options opt = *q->options;
     iso_view view = *q->view;
-    iso_image small = {0}, large = {0};
+    OWNED(iso_image) small = {0}, large = {0};
     view.width = (view.width + side - 1) / side;
     view.height = (view.height + side - 1) / side;
     part.view = &view;
     part.options = &opt;
     part.level = may_coarsen(q) ? (q->level + shift < last ? q->level + shift : last) : q->level;
     opt.stats = NULL;
-    iso_status status = iso_render_with(&part, &small, NULL, err);
-    TRY(status, enlarge(&small, shift, q->view->width, q->view->height, &large, err));
-    TRY(status, iso_render_save(a, cli, &large, version, taken_step(a, &part), err));
-    iso_image_destroy(&small);
-    iso_image_destroy(&large);
-    return status;
-}
-
-/* An eighth of the rows and columns first, then a quarter and a half. */
-static iso_status save_coarse_ones(const iso_render_arguments *a, const iso_cli *cli, const iso_render_request *q,
-                                   const char *version, iso_error *err)
-{
-    iso_status status = ISO_OK;
-    for (size_t shift = 3; shift > 0 && status == ISO_OK && a->progressive; --shift)
-        status = save_coarse(a, cli, q, shift, version, err);
-    return status;
+    NEED(iso_render_with(&part, &small, NULL, err));
+    NEED(enlarge(&small, shift, q->view->width, q->view->height, &large, err));
+    return iso_render_save(a, cli, &large, version, taken_step(a, &part), err);
 }
 
 static iso_status render(const iso_render_arguments *a, const iso_cli *cli, const frame_of_series *of, iso_error *err)
 {
+    const char *path = cli->arguments[0];
+    const size_t level = (size_t)a->level;
     iso_progress progress = iso_cli_progress(cli);
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_renderers renderers = {.shader_dir = a->shader_dir};
+    ENDED_BY(iso_renderers_end) iso_renderers renderers = {.shader_dir = a->shader_dir};
+    OWNED(iso_palette) palette = {0};
+    OWNED(shown_pyramid) shown = {.level = level};
+    iso_pyramid *pyramid = &shown.pyramid;
+    OWNED(iso_view) view = {0};
+    OWNED(iso_image) image = {0};
     iso_render_options opt;
-    iso_pyramid pyramid = {0};
-    iso_palette palette = {0};
-    iso_view view = {0};
-    iso_image image = {0};
-    iso_visible visible = {0};
     iso_render_stats stats = {0};
     char version[320] = "";
     double seconds = 0;
     bool warned = false;
     iso_subject_look look;
-    const iso_render_request request = {&renderers, &pyramid, (size_t)a->level, &view, &opt, &progress};
-    iso_status status = prepare(a, cli, &opt, &build, &look, err);
-    if (status == ISO_OK)
-        iso_cli_expect_names(cli, !iso_pyramid_is_one(cli->arguments[0]), opt.renderer->stages, opt.renderer->name);
-    TRY(status, load_subject(a, cli, of, &build, may_need_a_part(a, cli->arguments[0], &opt), &pyramid, err));
-    TRY(status, recode(a, &pyramid, err));
-    TRY(status, attach_palette(a, &opt, &pyramid, &palette, err));
-    if (status == ISO_OK)
-        status = of->series ? iso_subject_frames_view(of->series, &pyramid, &view, err)
-                            : iso_subject_make_view(&look, &pyramid, &view, err);
-    if (status == ISO_OK)
-        visible = iso_cli_warn_view(cli, &pyramid, &view, opt.isosurface ? &opt.iso : NULL, &warned);
-    if (status == ISO_OK)
-        status = iso_cli_roi_view(&a->roi,
-                                  &(iso_cli_roi_place){&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level,
-                                                       cli->threads},
-                                  &view, err);
-    TRY(status,
-        iso_cli_adapt_view(&a->adapted, cli->arguments[0], &pyramid, (size_t)a->level, &view, cli->threads, err));
-    if (status == ISO_OK && !a->with && !a->limit && !a->page_side)
-        iso_renderers_choose(&pyramid, &view, &opt);
-    if (status == ISO_OK && !iso_renderer_has(opt.renderer, ISO_TAKES_A_PART))
-        status = iso_pyramid_complete(&pyramid, &progress, err);
-    TRY(status, opt.renderer->version(opt.renderer, &renderers, version, sizeof version, err));
-    TRY(status, save_coarse_ones(a, cli, &request, version, err));
+    const iso_render_request request = {&renderers, pyramid, level, &view, &opt, &progress};
+    NEED(prepare(a, cli, &opt, &build, &look, err));
+    iso_cli_expect_names(cli, !iso_pyramid_is_one(path), opt.renderer->stages, opt.renderer->name);
+    NEED(load_subject(a, cli, of, &build, may_need_a_part(a, path, &opt), pyramid, err));
+    NEED(recode(a, pyramid, err));
+    NEED(attach_palette(a, &opt, pyramid, &palette, err));
+    NEED(of->series ? iso_subject_frames_view(of->series, pyramid, &view, err)
+                    : iso_subject_make_view(&look, pyramid, &view, err));
+    iso_visible visible = iso_cli_warn_view(cli, pyramid, &view, opt.isosurface ? &opt.iso : NULL, &warned);
+    NEED(iso_cli_roi_view(&a->roi, &(iso_cli_roi_place){&a->adapted, path, pyramid, level, cli->threads}, &view, err));
+    NEED(iso_cli_adapt_view(&a->adapted, path, pyramid, level, &view, cli->threads, err));
+    if (!a->with && !a->limit && !a->page_side)
+        iso_renderers_choose(pyramid, &view, &opt);
+    if (!iso_renderer_has(opt.renderer, ISO_TAKES_A_PART))
+        NEED(iso_pyramid_complete(pyramid, &progress, err));
+    NEED(opt.renderer->version(opt.renderer, &renderers, version, sizeof version, err));
+    for (size_t shift = 3; shift > 0 && a->progressive; --shift) /* an eighth of rows and columns, a quarter, a half */
+        NEED(save_coarse(a, cli, &request, shift, version, err));
     opt.stats = &stats;
-    if (status == ISO_OK && iso_render_is_in_bricks(a))
-        status = render_cached(a, cli, &request, &image, &seconds, err);
-    else if (status == ISO_OK && a->limit)
-        status = render_limit(a, cli, &request, &image, &seconds, err);
-    else if (status == ISO_OK)
-        status = iso_render_with(&request, &image, &seconds, err);
-    TRY(status, iso_render_check_finite(opt.renderer, &image, err));
-    TRY(status, iso_render_save(a, cli, &image, version, taken_step(a, &request), err));
-    if (status == ISO_OK) {
-        iso_visible_take_image(&visible, &image, view.background);
-        if (!warned)
-            iso_cli_warn_visible(cli, &visible);
-        iso_render_report(a, cli, &pyramid, &view, &visible,
-                          &(iso_rendered){opt.renderer->name, version, seconds,
-                                          iso_render_device_seconds(&opt, &renderers), taken_step(a, &request), &stats,
-                                          of->results});
-    }
-    iso_image_destroy(&image);
-    iso_view_destroy(&view);
-    if ((size_t)a->level < pyramid.level_count)
-        iso_level_detach_palette(&pyramid.levels[a->level]);
-    iso_palette_destroy(&palette);
-    iso_pyramid_destroy(&pyramid);
-    iso_renderers_end(&renderers);
-    return status;
+    if (iso_render_is_in_bricks(a))
+        NEED(render_cached(a, cli, &request, &image, &seconds, err));
+    else if (a->limit)
+        NEED(render_limit(a, cli, &request, &image, &seconds, err));
+    else
+        NEED(iso_render_with(&request, &image, &seconds, err));
+    NEED(iso_render_check_finite(opt.renderer, &image, err));
+    NEED(iso_render_save(a, cli, &image, version, taken_step(a, &request), err));
+    iso_visible_take_image(&visible, &image, view.background);
+    if (!warned)
+        iso_cli_warn_visible(cli, &visible);
+    iso_render_report(a, cli, pyramid, &view, &visible,
+                      &(iso_rendered){opt.renderer->name, version, seconds, iso_render_device_seconds(&opt, &renderers),
+                                      taken_step(a, &request), &stats, of->results});
+    return ISO_OK;
 }
 
 /* Returns "out_0003.png" for "out.png". */
@@ -306,7 +287,7 @@ static iso_status render_series(const iso_render_arguments *a, const iso_cli *cl
 {
     iso_render_options opt;
     iso_pyramid_options build;
-    iso_subject_frames series = {0};
+    OWNED(iso_subject_frames) series = {0};
     const iso_progress progress = iso_cli_progress(cli);
     iso_subject_look look;
     if (strcmp(a->frames, "all") != 0)
@@ -316,27 +297,21 @@ static iso_status render_series(const iso_render_arguments *a, const iso_cli *cl
                         a->roi.box          ? "--roi"
                         : a->adapted.wanted ? "--adapt"
                                             : "--extinction-scale");
-    iso_status status = prepare(a, cli, &opt, &build, &look, err);
-    TRY(status, iso_subject_frames_create(cli->arguments[0], &a->input, &build, &look, &progress, &series, err));
-    json_t *all = cli->json ? json_array() : NULL;
-    for (size_t k = 0; k < series.count && status == ISO_OK; ++k) {
+    NEED(prepare(a, cli, &opt, &build, &look, err));
+    NEED(iso_subject_frames_create(cli->arguments[0], &a->input, &build, &look, &progress, &series, err));
+    json_auto_t *all = cli->json ? json_array() : NULL;
+    for (size_t k = 0; k < series.count; ++k) {
+        FREED char *output = numbered(a->output, k), *png = numbered(a->png, k);
         iso_render_arguments one = *a;
-        one.output = numbered(a->output, k);
-        one.png = numbered(a->png, k);
-        status = one.output && (one.png || !a->png) ? render(&one, cli, &(frame_of_series){&series, k, all}, err)
-                                                    : iso_fail(err, ISO_E_MEMORY, "out of memory");
-        free(one.output);
-        free(one.png);
+        one.output = output;
+        one.png = png;
+        NEED(output && (png || !a->png) ? render(&one, cli, &(frame_of_series){&series, k, all}, err)
+                                        : iso_fail(err, ISO_E_MEMORY, "out of memory"));
     }
-    if (status == ISO_OK && all) {
-        json_t *root = iso_cli_json(cli);
-        json_object_set_new(root, "value_range", iso_json_numbers(series.build.value_range, 2));
-        json_object_set(root, "frames", all);
-        iso_cli_print_json(root);
-    }
-    json_decref(all);
-    iso_subject_frames_destroy(&series);
-    return status;
+    if (all)
+        iso_cli_print_results(cli, json_pack("{s:o, s:O}", "value_range", iso_json_numbers(series.build.value_range, 2),
+                                             "frames", all));
+    return ISO_OK;
 }
 
 /* Returns "reference: converged (default) or midpoint; gl: ...", to be freed. */
@@ -443,11 +418,11 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
     a->adapted.cli = cli;
     if (a->gl_device)
         setenv(ISO_GL_DEVICE_VARIABLE, a->gl_device, 1);
-    iso_status status = iso_renderers_load(a->renderers, err);
-    if (status == ISO_OK && a->plan_error_text)
-        status = iso_words_parse_error("--plan-error", a->plan_error_text, &a->plan_error, err);
-    TRY(status, iso_cli_take_cycles(&a->cycles, a->with ? a->with : iso_renderers_usual()->name, err));
-    return status == ISO_OK ? draw(a, cli, err) : status;
+    NEED(iso_renderers_load(a->renderers, err));
+    if (a->plan_error_text)
+        NEED(iso_words_parse_error("--plan-error", a->plan_error_text, &a->plan_error, err));
+    NEED(iso_cli_take_cycles(&a->cycles, a->with ? a->with : iso_renderers_usual()->name, err));
+    return draw(a, cli, err);
 }
 
 const iso_command iso_command_render = {

@@ -37,15 +37,14 @@ static void describe(const iso_cli *cli, const report_arguments *a, const iso_re
 
 static iso_status write_files(const report_arguments *a, const json_t *d, const json_t *inlined, iso_error *err)
 {
-    iso_status status = a->output ? iso_difference_write(a->output, d, inlined, err) : ISO_OK;
-    if (status == ISO_OK && a->summary_md) {
-        char *link = a->output ? iso_path_join(iso_markdown_target(a->output), "index.html") : NULL;
-        status = iso_markdown_of_difference(a->summary_md, d, link, err);
-        free(link);
-        if (status == ISO_OK && a->output) /* a file in the page's folder is saved with the page */
-            status = iso_manifest_add_output(a->output, a->summary_md, err);
-    }
-    return status;
+    if (a->output)
+        NEED(iso_difference_write(a->output, d, inlined, err));
+    if (!a->summary_md)
+        return ISO_OK;
+    FREED char *link = a->output ? iso_path_join(iso_markdown_target(a->output), "index.html") : NULL;
+    NEED(iso_markdown_of_difference(a->summary_md, d, link, err));
+    /* a file in the page's folder is saved with the page */
+    return a->output ? iso_manifest_add_output(a->output, a->summary_md, err) : ISO_OK;
 }
 
 /* ---- text ---- */
@@ -126,19 +125,13 @@ static void print(const iso_cli *cli, const report_arguments *a, json_t *d)
 static iso_status diff(const iso_cli *cli, const report_arguments *a, const iso_report_source of[2], iso_error *err)
 {
     json_auto_t *d = NULL, *inlined = json_pack("{s:{}, s:{}}", "images", "differences");
-    iso_status verdict = ISO_OK,
-               status = iso_difference_of(of[0].root, of[1].root, a->results_only || a->worse, a->factor, &d, err);
-    if (status == ISO_OK) {
-        describe(cli, a, of, d);
-        status = iso_difference_add_pictures(d, &of[0], &of[1], a->output ? inlined : NULL, err);
-    }
-    if (status == ISO_OK) {
-        verdict = conclude(a, d, err);
-        status = write_files(a, d, inlined, err);
-    }
-    if (status == ISO_OK)
-        print(cli, a, d);
-    return status == ISO_OK ? verdict : status;
+    NEED(iso_difference_of(of[0].root, of[1].root, a->results_only || a->worse, a->factor, &d, err));
+    describe(cli, a, of, d);
+    NEED(iso_difference_add_pictures(d, &of[0], &of[1], a->output ? inlined : NULL, err));
+    const iso_status verdict = conclude(a, d, err);
+    NEED(write_files(a, d, inlined, err));
+    print(cli, a, d);
+    return verdict;
 }
 
 /* Writes the rows of report B to the file A. */
@@ -155,24 +148,22 @@ static iso_status compare(const iso_cli *cli, const report_arguments *a, const i
 {
     const char *path = cli->arguments[1];
     const bool is_there = iso_path_exists(path);
-    json_t *rows = NULL; /* A without any cannot get worse */
-    iso_report_source of[2] = {{0}, *b};
+    json_auto_t *rows = NULL; /* A without any cannot get worse */
+    ENDED_BY(iso_report_source_close) iso_report_source standing = {0};
     if (!is_there && a->worse && !a->accept)
         return iso_fail(err, ISO_E_IO, "%s: no accepted report; make it of %s with --accept", path, cli->arguments[2]);
-    iso_status status = is_there || !a->accept ? iso_report_source_open(&of[0], path, err) : ISO_OK;
-    if (of[0].root && a->worse)
-        TRY(status, iso_difference_accept(of[0].root, &rows, err));
-    json_decref(rows);
-    if (of[0].root)
-        TRY(status, diff(cli, a, of, err));
-    iso_report_source_close(&of[0]);
-    return status;
+    if (!is_there && a->accept)
+        return ISO_OK;
+    NEED(iso_report_source_open(&standing, path, err));
+    if (a->worse)
+        NEED(iso_difference_accept(standing.root, &rows, err));
+    return diff(cli, a, (iso_report_source[]){standing, *b}, err);
 }
 
 static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     const report_arguments *a = values;
-    iso_report_source b = {0};
+    ENDED_BY(iso_report_source_close) iso_report_source b = {0};
     json_auto_t *rows = NULL;
     if (strcmp(cli->arguments[0], "diff") != 0)
         return iso_fail(err, ISO_E_USAGE, "unknown subcommand \"%s\"; try: report diff A B", cli->arguments[0]);
@@ -180,14 +171,11 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
         return iso_fail(err, ISO_E_USAGE, "diff needs two reports, A and B");
     if (a->accept && !iso_path_ends_with(cli->arguments[1], ".json"))
         return iso_fail(err, ISO_E_USAGE, "%s: --accept writes a file; its name must end in .json", cli->arguments[1]);
-    iso_status status = iso_report_source_open(&b, cli->arguments[2], err);
+    NEED(iso_report_source_open(&b, cli->arguments[2], err));
     if (a->worse || a->accept)
-        TRY(status, iso_difference_accept(b.root, &rows, err));
-    TRY(status, compare(cli, a, &b, err));
-    if (a->accept)
-        TRY(status, accept(cli, cli->arguments[1], rows, err));
-    iso_report_source_close(&b);
-    return status;
+        NEED(iso_difference_accept(b.root, &rows, err));
+    NEED(compare(cli, a, &b, err));
+    return a->accept ? accept(cli, cli->arguments[1], rows, err) : ISO_OK;
 }
 
 static const iso_option options[] = {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* cmd_scenes.c - draws a contact sheet: a volume with several transfer functions and views, and their commands. */
 #define _GNU_SOURCE
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,8 +12,9 @@
 #include "base/json.h"
 #include "base/provenance.h"
 #include "base/stamp.h"
-#include "cli/contact_sheet.h"
 #include "cli/scenes_write.h"
+#include "compare/srgb.h"
+#include "image/image.h"
 #include "options/cli.h"
 #include "options/input.h"
 #include "options/look.h"
@@ -22,6 +24,160 @@
 #include "scene/viewpoint.h"
 #include "scene/visible.h"
 #include "tf/presets.h"
+
+/* A sheet of many small pictures with numbers and names, drawn by gnuplot:
+ *
+ *     +---------+---------+--------  columns: a multiple of `group`, so that a group stays in one row
+ *     | picture | picture |
+ *     | 1 label | 2 label | */
+typedef struct contact_sheet {
+    size_t count, room;
+    struct contact_panel {
+        unsigned char *rgb; /* display colors; row 0 is the top */
+        size_t left, top;   /* position in the sheet's pixels, set by contact_sheet_draw() */
+        char *label, *command;
+    } * panels;
+    size_t side; /* of each square picture, in pixels */
+} contact_sheet;
+
+/* Distances in pixels of a PNG; all even, because gnuplot gets their halves. */
+enum { GAP = 10, LABEL = 24, HEAD = 40 };
+
+/* Adds a square picture of the same size as the others. ISO_E_RANGE, ISO_E_MEMORY. */
+static iso_status contact_sheet_add(contact_sheet *s, const iso_image *image, const char *label, const char *command,
+                                    iso_error *err)
+{
+    const size_t pixels = image->width * image->height;
+    if (image->width != image->height || (s->count > 0 && image->width != s->side))
+        return iso_fail(err, ISO_E_RANGE,
+                        "sheet: a picture has %zu x %zu pixels, must be a square of the same size as the others",
+                        image->width, image->height);
+    if (s->count == s->room) {
+        const size_t room = s->room ? 2 * s->room : 16;
+        void *panels = realloc(s->panels, room * sizeof *s->panels);
+        if (!panels)
+            return iso_fail(err, ISO_E_MEMORY, "sheet: out of memory");
+        s->panels = panels, s->room = room;
+    }
+    struct contact_panel *p = &s->panels[s->count];
+    *p = (struct contact_panel){.rgb = malloc(3 * pixels), .label = strdup(label), .command = strdup(command)};
+    s->side = image->width;
+    ++s->count;
+    if (!p->rgb || !p->label || !p->command)
+        return iso_fail(err, ISO_E_MEMORY, "sheet: out of memory");
+    for (size_t i = 0; i < 3 * pixels; ++i)
+        p->rgb[i] = (unsigned char)(iso_srgb_encode((double)image->rgba[4 * (i / 3) + i % 3]) * 255 + 0.5);
+    return ISO_OK;
+}
+
+typedef struct mosaic {
+    const contact_sheet *sheet;
+    const char *title, *raw;
+    size_t columns, width, height;
+    unsigned char *rgb;
+} mosaic;
+
+/* Returns the number of columns: whole groups, so that the sheet is about 1.5 times as wide as high. */
+static size_t choose_columns(const contact_sheet *s, size_t group)
+{
+    const size_t groups = (s->count + group - 1) / group;
+    size_t best = 1;
+    double least = INFINITY;
+    for (size_t k = 1; k <= groups; ++k) {
+        const double shape = (double)(k * group) / ceil((double)groups / (double)k), off = fabs(log(shape / 1.5));
+        if (off < least)
+            least = off, best = k;
+    }
+    return best * group;
+}
+
+static void place(contact_sheet *s, mosaic *m)
+{
+    const size_t rows = (s->count + m->columns - 1) / m->columns, side = s->side + s->side % 2;
+    m->width = m->columns * (side + GAP) + GAP;
+    m->height = HEAD + rows * (side + LABEL + GAP);
+    memset(m->rgb, 255, 3 * m->width * m->height);
+    for (size_t i = 0; i < s->count; ++i) {
+        struct contact_panel *p = &s->panels[i];
+        p->left = GAP + i % m->columns * (side + GAP);
+        p->top = HEAD + i / m->columns * (side + LABEL + GAP);
+        for (size_t y = 0; y < s->side; ++y)
+            memcpy(m->rgb + 3 * ((p->top + y) * m->width + p->left), p->rgb + 3 * y * s->side, 3 * s->side);
+    }
+}
+
+static iso_status write_sheet(FILE *gp, void *user, iso_error *err)
+{
+    const mosaic *m = user;
+    const contact_sheet *s = m->sheet;
+    /* font size at which the longest names of presets and views fit below a picture */
+    const double points = 5.5 * fmin(1, (double)s->side / 176);
+    (void)err;
+    fprintf(gp,
+            "set lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\nunset border\nunset tics\nunset key\n"
+            "set xrange [-0.5:%zu.5]\nset yrange [-0.5:%zu.5]\n",
+            m->width - 1, m->height - 1);
+    fputs("set label ", gp);
+    iso_gnuplot_put_quoted(gp, m->title);
+    fprintf(gp, " at %d,%zu left front noenhanced font ',8'\n", GAP, m->height - HEAD / 2 - 2);
+    for (size_t i = 0; i < s->count; ++i) {
+        char text[160];
+        snprintf(text, sizeof text, "%zu  %.120s", i + 1, s->panels[i].label);
+        fputs("set label ", gp);
+        iso_gnuplot_put_quoted(gp, text);
+        fprintf(gp, " at %zu,%zu left front noenhanced font ',%.2f'\n", s->panels[i].left,
+                m->height - (s->panels[i].top + s->side + LABEL / 2 + 1), points);
+    }
+    fputs("plot ", gp);
+    iso_gnuplot_put_quoted(gp, m->raw);
+    fprintf(gp, " binary array=(%zu,%zu) flip=y format='%%3uchar' using 1:2:3 with rgbimage\n", m->width, m->height);
+    return ISO_OK;
+}
+
+/* Draws the sheet. group: number of pictures that stay in one row. Errors as of iso_gnuplot_picture(). A PNG has the
+ * pictures pixel by pixel. */
+static iso_status contact_sheet_draw(contact_sheet *s, size_t group, const char *title, const char *output,
+                                     iso_error *err)
+{
+    const size_t columns = choose_columns(s, group), rows = (s->count + columns - 1) / columns;
+    ENDED_BY(iso_end_temp_dir) char *dir = iso_make_temp_dir();
+    FREED char *raw = dir ? iso_path_join(dir, "sheet.raw") : NULL;
+    FREED unsigned char *rgb = malloc(3 * (columns * (s->side + 1 + GAP) + GAP) *
+                                      (HEAD + rows * (s->side + 1 + LABEL + GAP)));
+    mosaic m = {.sheet = s, .title = title, .columns = columns, .raw = raw, .rgb = rgb};
+    if (!dir)
+        return iso_temp_dir_fail(err);
+    if (!raw || !rgb)
+        return iso_fail(err, ISO_E_MEMORY, "sheet: out of memory");
+    place(s, &m);
+    NEED(iso_file_write(raw, m.rgb, 3 * m.width * m.height, err));
+    return iso_gnuplot_picture(output, (double)m.width / 2, (double)m.height / 2, write_sheet, &m, err);
+}
+
+/* Returns [{"number": 1, "label", "command", "left", "top", "size"}]. */
+static json_t *contact_sheet_to_json(const contact_sheet *s)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < s->count; ++i) {
+        const struct contact_panel *p = &s->panels[i];
+        FREED char *command = iso_provenance_line(p->command);
+        json_array_append_new(list, json_pack("{s:I, s:s, s:s, s:I, s:I, s:I}", "number", (json_int_t)(i + 1), "label",
+                                              p->label, "command", command ? command : "", "left", (json_int_t)p->left,
+                                              "top", (json_int_t)p->top, "size", (json_int_t)s->side));
+    }
+    return list;
+}
+
+static void contact_sheet_destroy(contact_sheet *s)
+{
+    for (size_t i = 0; i < s->count; ++i) {
+        free(s->panels[i].rgb);
+        free(s->panels[i].label);
+        free(s->panels[i].command);
+    }
+    free(s->panels);
+    *s = (contact_sheet){0};
+}
 
 enum { MOST_CHOICES = 32, LEVELS = 4, USUAL_PIXELS = 192 };
 
@@ -42,9 +198,18 @@ typedef struct sheet {
     iso_survey *survey;
     iso_scene_part visible; /* of the current transfer function */
     iso_renderers renderers;
-    iso_contact_sheet pictures;
+    contact_sheet pictures;
     json_t *left_out;
 } sheet;
+
+static void sheet_destroy(sheet *s)
+{
+    contact_sheet_destroy(&s->pictures);
+    iso_renderers_end(&s->renderers);
+    iso_pyramid_destroy(&s->pyramid);
+    free(s->survey);
+    json_decref(s->left_out);
+}
 
 /* Copies the values of an option, a list that ends with NULL. ISO_E_USAGE if they are too many. */
 static iso_status take(const char *option, char *const *given, const char *kept[MOST_CHOICES], size_t *count,
@@ -84,8 +249,8 @@ static iso_status choose(sheet *s, iso_error *err)
 {
     static const char *const usual_views[] = {"front", "left", "top", "iso"};
     const scenes_arguments *a = s->arguments;
-    iso_status status = take("--view", a->views, s->views, &s->view_count, err);
-    TRY(status, take("--tf", a->tfs, s->tfs, &s->tf_count, err));
+    NEED(take("--view", a->views, s->views, &s->view_count, err));
+    NEED(take("--tf", a->tfs, s->tfs, &s->tf_count, err));
     if (a->look.scene && !a->views)
         s->views[s->view_count++] = NULL;
     if (a->look.scene && !a->tfs)
@@ -94,11 +259,11 @@ static iso_status choose(sheet *s, iso_error *err)
         s->views[s->view_count++] = usual_views[i];
     for (size_t i = 0; !a->tfs && i < iso_tf_preset_names.count; ++i)
         s->tfs[s->tf_count++] = iso_names_name(&iso_tf_preset_names, i);
-    for (size_t i = 0; i < s->view_count && status == ISO_OK; ++i)
-        status = check_choice(s, 0, i, err);
-    for (size_t i = 1; i < s->tf_count && status == ISO_OK; ++i)
-        status = check_choice(s, i, 0, err);
-    return status;
+    for (size_t i = 0; i < s->view_count; ++i)
+        NEED(check_choice(s, 0, i, err));
+    for (size_t i = 1; i < s->tf_count; ++i)
+        NEED(check_choice(s, i, 0, err));
+    return ISO_OK;
 }
 
 static const char *name_of_tf(const sheet *s, size_t tf)
@@ -178,7 +343,7 @@ static iso_status draw_one(sheet *s, size_t tf, size_t view, const iso_view *v, 
     FREED char *command = command_of(s, tf, view, level), *label = NULL;
     if (asprintf(&label, "%s, %s", name_of_tf(s, tf), name_of_view(s, view)) < 0)
         label = NULL;
-    return command && label ? iso_contact_sheet_add(&s->pictures, &image, label, command, err)
+    return command && label ? contact_sheet_add(&s->pictures, &image, label, command, err)
                             : iso_fail(err, ISO_E_MEMORY, "scenes: out of memory");
 }
 
@@ -251,7 +416,7 @@ static iso_status report(const sheet *s, iso_error *err)
     json_auto_t *root = iso_cli_json(a->cli);
     size_t i;
     json_object_set_new(root, "sheet", json_string(a->output));
-    json_object_set_new(root, "pictures", iso_contact_sheet_to_json(&s->pictures));
+    json_object_set_new(root, "pictures", contact_sheet_to_json(&s->pictures));
     json_object_set(root, "left_out", s->left_out);
     NEED(save_json(s, root, err));
     if (a->cli->json) {
@@ -272,32 +437,24 @@ static iso_status draw_sheet(const scenes_arguments *a, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(a->cli);
     iso_pyramid_options build = iso_pyramid_defaults();
-    sheet s = {.arguments = a, .left_out = json_array()};
+    OWNED(sheet) s = {.arguments = a, .left_out = json_array()};
+    char title[256];
     iso_cli_expect(a->cli, (const iso_cli_stage[]){{"pyramid", 2}, {"pictures", 3}}, 2);
     build.threads = a->cli->threads;
     build.level_count = LEVELS;
-    iso_status status = a->output ? iso_words_check_range("--size", a->size, 32, 1024, err)
-                                  : iso_fail(err, ISO_E_USAGE, "-o is missing: picture to write, .png, .svg or .pdf");
-    if (status == ISO_OK && !iso_gnuplot_ending(a->output))
-        status = iso_fail(err, ISO_E_USAGE, "%s: must end in .png, .svg or .pdf", a->output);
-    TRY(status, choose(&s, err));
-    if (status == ISO_OK) /* after reading the options: an input must be known before the check */
-        status = guard_json(a->output, err);
-    TRY(status, iso_subject_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &s.pyramid, err));
-    TRY(status, iso_survey_make(&s.pyramid.levels[0], a->cli->threads, &s.survey, err));
-    TRY(status, draw_all(&s, &progress, err));
-    if (status == ISO_OK) {
-        char title[256];
-        snprintf(title, sizeof title, "%.200s", iso_provenance_title(a->cli->arguments[0]));
-        status = iso_contact_sheet_draw(&s.pictures, s.view_count, title, a->output, err);
-    }
-    TRY(status, report(&s, err));
-    iso_contact_sheet_destroy(&s.pictures);
-    iso_renderers_end(&s.renderers);
-    iso_pyramid_destroy(&s.pyramid);
-    free(s.survey);
-    json_decref(s.left_out);
-    return status;
+    if (!a->output)
+        return iso_fail(err, ISO_E_USAGE, "-o is missing: picture to write, .png, .svg or .pdf");
+    NEED(iso_words_check_range("--size", a->size, 32, 1024, err));
+    if (!iso_gnuplot_ending(a->output))
+        return iso_fail(err, ISO_E_USAGE, "%s: must end in .png, .svg or .pdf", a->output);
+    NEED(choose(&s, err));
+    NEED(guard_json(a->output, err)); /* after reading the options: an input must be known before the check */
+    NEED(iso_subject_load_pyramid(a->cli->arguments[0], &a->input, &build, &progress, &s.pyramid, err));
+    NEED(iso_survey_make(&s.pyramid.levels[0], a->cli->threads, &s.survey, err));
+    NEED(draw_all(&s, &progress, err));
+    snprintf(title, sizeof title, "%.200s", iso_provenance_title(a->cli->arguments[0]));
+    NEED(contact_sheet_draw(&s.pictures, s.view_count, title, a->output, err));
+    return report(&s, err);
 }
 
 /* Writes requests for one scene: with at most one transfer function and one view. */
@@ -363,8 +520,10 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
 {
     scenes_arguments *a = values;
     a->cli = cli;
-    iso_status status = a->write ? write_requests(a, err) : check_sheet(a, err);
-    return status == ISO_OK && !a->write ? draw_sheet(a, err) : status;
+    if (a->write)
+        return write_requests(a, err);
+    NEED(check_sheet(a, err));
+    return draw_sheet(a, err);
 }
 
 const iso_command iso_command_scenes = {

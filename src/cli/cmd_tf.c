@@ -6,15 +6,8 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "cli/tf_adapt.h"
-#include "cli/tf_bound.h"
-#include "cli/tf_convert.h"
-#include "cli/tf_show.h"
-#include "cli/tf_suggest.h"
+#include "cli/tf.h"
 #include "base/inputs.h"
-#include "options/adapted.h"
-#include "options/input.h"
-#include "options/cli.h"
 #include "scene/subject.h"
 #include "scene/viewpoint.h"
 #include "report/gnuplot.h"
@@ -25,29 +18,28 @@
 
 #define TRIANGLE_STEPS 20
 
+ISO_ENDING(end_adapter, iso_adapter, iso_adapter_destroy)
+
 /* Measures the error of Eq. 6 for the weights s C + t T + (1 - s - t) G over the triangle of (s, t). */
 static iso_status measure_triangle(const iso_joint *joint, const iso_adapt_options *given, const iso_tf_table *tf,
                                    const iso_geometry *level0, size_t level,
                                    double rms[TRIANGLE_STEPS + 1][TRIANGLE_STEPS + 1], iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (int i = 0; i <= TRIANGLE_STEPS && status == ISO_OK; ++i)
-        for (int j = 0; i + j <= TRIANGLE_STEPS && status == ISO_OK; ++j) {
+    for (int i = 0; i <= TRIANGLE_STEPS; ++i)
+        for (int j = 0; i + j <= TRIANGLE_STEPS; ++j) {
             iso_adapt_options opt = *given;
-            iso_adapter *adapter = NULL;
-            iso_tf_table table = {0};
+            ENDED_BY(end_adapter) iso_adapter *adapter = NULL;
+            OWNED(iso_tf_table) table = {0};
+            iso_adapt_judgment verdict = {0};
             opt.weight = ISO_WEIGHT_MIXED;
             opt.mix_s = (double)i / TRIANGLE_STEPS;
             opt.mix_t = fmin((double)j / TRIANGLE_STEPS, 1 - opt.mix_s);
-            status = iso_adapter_create(joint, &opt, &adapter, err);
-            TRY(status, iso_adapter_apply(adapter, tf, level0, level, &table, err));
-            iso_adapt_judgment verdict = {0};
-            TRY(status, iso_adapt_judge(joint, tf, &table, level0, &verdict, err));
+            NEED(iso_adapter_create(joint, &opt, &adapter, err));
+            NEED(iso_adapter_apply(adapter, tf, level0, level, &table, err));
+            NEED(iso_adapt_judge(joint, tf, &table, level0, &verdict, err));
             rms[i][j] = verdict.rms_adapted;
-            iso_tf_table_destroy(&table);
-            iso_adapter_destroy(adapter);
         }
-    return status;
+    return ISO_OK;
 }
 
 typedef struct triangle_picture {
@@ -83,17 +75,14 @@ static void print_triangle(const iso_tf_arguments *a, double rms[TRIANGLE_STEPS 
         for (int j = 0; i + j <= TRIANGLE_STEPS; ++j)
             if (rms[i][j] < least)
                 least = rms[i][j], s = (double)i / TRIANGLE_STEPS, t = (double)j / TRIANGLE_STEPS;
-    if (a->cli->json) {
-        json_t *root = iso_cli_json(a->cli);
-        json_object_update_new(root,
-                               json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "rms_gauss", gauss, "rms_constant", constant,
-                                         "rms_triangle", triangular, "rms_least", least, "least_s", s, "least_t", t));
-        iso_cli_print_json(root);
-    } else {
+    if (a->cli->json)
+        iso_cli_print_results(a->cli,
+                              json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "rms_gauss", gauss, "rms_constant", constant,
+                                        "rms_triangle", triangular, "rms_least", least, "least_s", s, "least_t", t));
+    else
         printf(
             "RMS error at the voxels: Gaussian %.6f, constant %.6f, triangular %.6f; least %.6f at s = %.2f, t = %.2f\n",
             gauss, constant, triangular, least, s, t);
-    }
 }
 
 static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
@@ -125,12 +114,6 @@ static iso_status triangle(const iso_tf_arguments *a, iso_error *err)
     return ISO_OK;
 }
 
-static iso_status bound(const iso_tf_arguments *a, iso_error *err)
-{
-    const iso_tf_bound_arguments b = {a->cli, &a->input, &a->adapted, &a->look, a->level, a->level_count};
-    return iso_cli_tf_bound(&b, err);
-}
-
 /* Announces the output, except the files per level of adapt, which announces them once it knows the levels. */
 static iso_status announce_output(const iso_tf_arguments *a, iso_error *err)
 {
@@ -141,8 +124,8 @@ static iso_status announce_output(const iso_tf_arguments *a, iso_error *err)
 static const struct {
     const char *name;
     iso_status (*run)(const iso_tf_arguments *a, iso_error *err);
-} actions[] = {{"adapt", iso_cli_tf_adapt}, {"bound", bound},          {"convert", iso_cli_tf_convert},
-               {"names", iso_cli_tf_names}, {"show", iso_cli_tf_show}, {"suggest", iso_cli_tf_suggest},
+} actions[] = {{"adapt", iso_cli_tf_adapt}, {"bound", iso_cli_tf_bound}, {"convert", iso_cli_tf_convert},
+               {"names", iso_cli_tf_names}, {"show", iso_cli_tf_show},   {"suggest", iso_cli_tf_suggest},
                {"triangle", triangle}};
 static const iso_names action_names = ISO_NAMES_OF_NAMES("action", actions);
 
@@ -166,9 +149,9 @@ static iso_status run(const iso_cli *cli, void *values, iso_error *err)
     iso_tf_arguments *a = values;
     size_t row = 0;
     a->cli = cli;
-    iso_status status = announce_output(a, err);
-    TRY(status, iso_names_find(&action_names, cli->arguments[0], &row, err));
-    return status == ISO_OK ? actions[row].run(a, err) : status;
+    NEED(announce_output(a, err));
+    NEED(iso_names_find(&action_names, cli->arguments[0], &row, err));
+    return actions[row].run(a, err);
 }
 
 const iso_command iso_command_tf = {

@@ -16,28 +16,72 @@
 #include "base/work.h"
 #include "cli/made_volume.h"
 #include "cli/rank_run.h"
+#include "cli/renderer_help.h"
+#include "cli/validate.h"
 #include "options/visible.h"
+#include "render/gl/raycaster.h"
 #include "renderers/external.h"
 #include "renderers/picture_store.h"
 #include "renderers/pictures.h"
-#include "render/gl/raycaster.h"
 #include "report/markdown.h"
 #include "scene/subject.h"
 #include "scene/viewpoint.h"
-#include "tf/presets.h"
-#include "cli/validate_options.h"
-#include "cli/validate_result.h"
-#include "cli/validate_scene.h"
-#include "cli/validate_viewer.h"
-#include "validate/validate.h"
-#include "cli/renderer_help.h"
 #include "scene/views.h"
+#include "tf/presets.h"
+#include "view/viewer.h"
+
+ISO_ENDING(end_key, iso_key, iso_key_destroy)
+
+static void end_validation(iso_validation *v)
+{
+    iso_report_destroy(v->report);
+    iso_renderers_end(&v->renderers);
+    iso_validate_forget_tfs(v);
+}
+
+/* Writes DIR/viewer-SCENE.html, and "viewers" in the report, to link rows to their level in the page. Levels with more
+ * voxels than a page may hold are left out. */
+static iso_status save_viewer(const iso_validation *v, iso_error *err)
+{
+    FREED char *name = NULL, *path = NULL;
+    iso_viewer_size size;
+    iso_viewer page = {.pyramid = v->pyramid,
+                       .scene = v->scene,
+                       .title = iso_provenance_title(v->volume_path),
+                       .input = v->input_options,
+                       .folder = v->loaded ? v->volume_path : NULL,
+                       .last = v->pyramid->level_count - 1,
+                       .code_count = 1,
+                       .codes = {v->pyramid->options.code},
+                       .threads = v->threads};
+    page.first = iso_viewer_finest_level(v->pyramid, ISO_VIEWER_MOST_VOXELS);
+    if (asprintf(&name, "viewer-%s.html", v->scene_name) < 0 ||
+        !(path = iso_path_join(iso_report_dir(v->report), name)))
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED(iso_viewer_save(&page, path, NULL, &size, err));
+    iso_report_put(v->report, "viewers", v->scene_name, json_string(name));
+    return ISO_OK;
+}
+
+/* Takes the options that a scene and a suite share. */
+static void take_options(const iso_validate_arguments *a, const iso_cli *cli, iso_picture_store *store,
+                         const iso_progress *progress, iso_validation *v)
+{
+    v->image_prefix = v->variant = v->build_options = v->render_options = "";
+    v->quick = a->quick;
+    v->may_lack = !a->with;
+    v->save_viewer = a->viewer ? save_viewer : NULL;
+    v->threads = cli->threads;
+    v->seeds = iso_validate_seeds(a);
+    v->limit_size = iso_validate_limit_size(a);
+    v->renderers.store = store;
+    v->line = cli->progress;
+    v->progress = progress;
+}
 
 /* Scales down a quick run, which keeps every stage and limit, to smaller images and fewer levels. */
 static void scale_down(iso_validation *v, iso_scene *scene, const iso_validate_arguments *a)
 {
-    v->image_prefix = v->variant = v->build_options = v->render_options = "";
-    v->limit_size = iso_validate_limit_size(a);
     v->consistency_size = a->level_size ? (size_t)a->level_size : v->quick ? 96 : 160;
     v->may_add_views = !a->level_views;
     v->consistency_views = a->level_views ? (size_t)a->level_views : v->quick ? 3 : 6;
@@ -112,11 +156,11 @@ static iso_status run_stages(iso_validation *v, iso_error *err)
 /* Reports the started programs, the renders and their processor time. */
 static void report_work(iso_report *r)
 {
-    json_t *work = iso_work_to_json(), *value;
+    json_auto_t *work = iso_work_to_json();
+    json_t *value;
     const char *key;
     json_object_foreach (work, key, value)
         iso_report_put(r, "work", key, json_incref(value));
-    json_decref(work);
 }
 
 /* How to resume. Static, because the signal handler prints it. */
@@ -126,13 +170,10 @@ static char last_words[4200];
  * before the input is read: it refuses a user's folder, and locks out other runs for the same report. */
 static iso_status open_store(const iso_validate_arguments *a, iso_picture_store **store, iso_error *err)
 {
-    char *folder = iso_cli_work_folder(a->output);
-    const iso_status status = folder ? iso_picture_store_open(folder, store, err)
-                                     : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    FREED char *folder = iso_cli_work_folder(a->output);
     snprintf(last_words, sizeof last_words, "isoshade validate: stopped; continue from %s with --resume\n",
              folder ? folder : "");
-    free(folder);
-    return status;
+    return folder ? iso_picture_store_open(folder, store, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
 }
 
 static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cli, iso_picture_store **store,
@@ -142,16 +183,13 @@ static iso_status begin_store(const iso_validate_arguments *a, const iso_cli *cl
     /* Options that choose the pictures; each picture's own hash has the rest. */
     static const char *const without[] = {"threads", "with",  "levels",     "budget", "anyway",
                                           "viewer",  "junit", "summary-md", NULL};
-    iso_key *key = iso_cli_key(cli, without);
-    iso_status status = key ? iso_key_add_surroundings(key, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK && a->shared)
-        status = iso_picture_store_join(a->shared, key, &place, iso_cli_end_rank, store, err);
-    else if (status == ISO_OK)
-        status = iso_picture_store_begin(*store, a->resume, key, &place, err);
-    if (status == ISO_OK && !a->shared)
-        iso_unfinished_say(last_words);
-    iso_key_destroy(key);
-    return status;
+    ENDED_BY(end_key) iso_key *key = iso_cli_key(cli, without);
+    NEED(key ? iso_key_add_surroundings(key, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    if (a->shared)
+        return iso_picture_store_join(a->shared, key, &place, iso_cli_end_rank, store, err);
+    NEED(iso_picture_store_begin(*store, a->resume, key, &place, err));
+    iso_unfinished_say(last_words);
+    return ISO_OK;
 }
 
 /* Closes the store if it is open. If a signal ended a program and so the run, adds to *err how to resume. */
@@ -160,14 +198,13 @@ static iso_status close_store(const iso_validate_arguments *a, iso_picture_store
 {
     if (!*store)
         return status;
-    char *folder = iso_cli_work_folder(a->output);
+    FREED char *folder = iso_cli_work_folder(a->output);
     const iso_error why = *err;
     iso_unfinished_say(NULL);
     iso_picture_store_close(*store, remove);
     *store = NULL;
     if (status != ISO_OK && !remove && folder && iso_path_exists(folder) && iso_process_was_stopped())
         iso_fail(err, status, "%s; continue from %s with --resume", why.text, folder);
-    free(folder);
     return status;
 }
 
@@ -190,17 +227,15 @@ static void begin_budget(const iso_validate_arguments *a, iso_validation *v)
 /* Writes the report in other formats. Files in its folder are replaced with the next report. */
 static iso_status write_other_forms(const iso_validate_arguments *a, iso_report *r, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    if (a->junit)
-        status = iso_report_write_junit(r, a->junit, err);
-    if (status == ISO_OK && a->junit)
-        status = iso_manifest_add_output(a->output, a->junit, err);
-    if (status != ISO_OK || !a->summary_md)
-        return status;
-    char *page = iso_path_join(iso_markdown_target(a->output), "index.html");
-    status = iso_markdown_of_report(a->summary_md, iso_report_json(r), page, err);
-    free(page);
-    return status == ISO_OK ? iso_manifest_add_output(a->output, a->summary_md, err) : status;
+    if (a->junit) {
+        NEED(iso_report_write_junit(r, a->junit, err));
+        NEED(iso_manifest_add_output(a->output, a->junit, err));
+    }
+    if (!a->summary_md)
+        return ISO_OK;
+    FREED char *page = iso_path_join(iso_markdown_target(a->output), "index.html");
+    NEED(iso_markdown_of_report(a->summary_md, iso_report_json(r), page, err));
+    return iso_manifest_add_output(a->output, a->summary_md, err);
 }
 
 /* Writes summary, charts and page. Returns the verdict. */
@@ -239,13 +274,37 @@ static iso_status check_visible(const iso_validate_arguments *a, const iso_cli *
                : ISO_OK;
 }
 
+/* Begins the report, and opens its pictures. */
+static iso_status begin(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v,
+                        const iso_report_about *about, iso_code code, iso_picture_store **store, iso_error *err)
+{
+    NEED(iso_report_create(&v->report, a->output, about, err));
+    NEED(begin_store(a, cli, store, err));
+    v->renderers.store = *store;
+    describe_options(a, v, code);
+    begin_budget(a, v);
+    return ISO_OK;
+}
+
+static iso_status judge(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v,
+                        const iso_report_about *about, iso_picture_store **store, iso_error *err)
+{
+    NEED(begin(a, cli, v, about, v->pyramid->options.code, store, err));
+    iso_validate_report_asked(v);
+    NEED(run_stages(v, err));
+    if (v->save_viewer)
+        NEED(v->save_viewer(v, err));
+    return finish(a, cli, v, err);
+}
+
 static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, iso_pyramid *pyramid, iso_scene *scene,
                            iso_picture_store **store, iso_error *err)
 {
     const iso_progress progress = iso_cli_progress(cli);
-    iso_view view = {0};
-    char *line = iso_cli_command_line(cli), *name = iso_provenance_scene(a->look.scene, 0),
-         *typed = iso_volume_input_line(&a->input), *input = typed ? iso_provenance_line(typed) : NULL;
+    OWNED(iso_view) view = {0};
+    FREED char *line = iso_cli_command_line(cli), *name = iso_provenance_scene(a->look.scene, 0),
+               *typed = iso_volume_input_line(&a->input), *input = typed ? iso_provenance_line(typed) : NULL;
+    ENDED_BY(end_validation)
     iso_validation v = {.pyramid = pyramid,
                         .scene = scene,
                         .view = &view,
@@ -254,48 +313,20 @@ static iso_status validate(const iso_validate_arguments *a, const iso_cli *cli, 
                         .scene_name = name,
                         .input_options = input ? input : "",
                         .loaded = iso_pyramid_is_one(cli->arguments[0]),
-                        .quick = a->quick,
-                        .may_lack = !a->with,
-                        .scales = a->extinction_scale ? ISO_SCALES_ADAPTED : ISO_SCALES_NONE,
-                        .seeds = iso_validate_seeds(a),
-                        .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
-                        .threads = cli->threads,
-                        .renderers = {.store = *store},
-                        .line = cli->progress,
-                        .progress = &progress};
+                        .scales = a->extinction_scale ? ISO_SCALES_ADAPTED : ISO_SCALES_NONE};
     const iso_report_about about = {.title = iso_provenance_title(cli->arguments[0]),
                                     .command = line,
                                     .volume = cli->arguments[0],
                                     .scene = a->look.scene};
+    take_options(a, cli, *store, &progress, &v);
     scale_down(&v, scene, a);
-    iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
-    TRY(status, iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid), iso_pyramid_hi(pyramid),
-                                  &view, err));
-    TRY(status, check_visible(a, cli, pyramid, &view, err));
-    TRY(status, iso_report_create(&v.report, a->output, &about, err));
-    TRY(status, begin_store(a, cli, store, err));
-    v.renderers.store = *store;
-    if (status == ISO_OK) {
-        describe_options(a, &v, pyramid->options.code);
-        begin_budget(a, &v);
-        iso_validate_assume(&pyramid->levels[0], &view, &scene->agreement);
-        iso_validate_report_asked(&v);
-        status = run_stages(&v, err);
-        if (status == ISO_OK && v.save_viewer)
-            status = v.save_viewer(&v, err);
-    }
-    TRY(status, finish(a, cli, &v, err));
-    if (v.report)
-        status = close_store(a, store, has_no_use(&v, status), status, err);
-    iso_report_destroy(v.report);
-    iso_renderers_end(&v.renderers);
-    iso_validate_forget_tfs(&v);
-    iso_view_destroy(&view);
-    free(line);
-    free(input);
-    free(typed);
-    free(name);
-    return status;
+    NEED(iso_renderers_from_list(a->with, v.wanted, err));
+    NEED(iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid), iso_pyramid_hi(pyramid), &view,
+                           err));
+    NEED(check_visible(a, cli, pyramid, &view, err));
+    iso_validate_assume(&pyramid->levels[0], &view, &scene->agreement);
+    const iso_status status = judge(a, cli, &v, &about, store, err);
+    return v.report ? close_store(a, store, has_no_use(&v, status), status, err) : status;
 }
 
 /* True if the scene has no file: it is written next to the report, so that commands can name it. */
@@ -309,104 +340,81 @@ static bool has_own_scene(const iso_validate_arguments *a)
 static iso_status load_scene(iso_validate_arguments *a, const iso_subject_look *look, const iso_pyramid *pyramid,
                              char *own_path, iso_scene *scene, iso_error *err)
 {
-    iso_status status = iso_subject_make_scene(look, pyramid, scene, err);
-    if (status != ISO_OK || !own_path)
-        return status;
-    iso_view view;
-    status = iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid), iso_pyramid_hi(pyramid),
-                               &view, err);
-    iso_view_destroy(&view);
-    if (status != ISO_OK) /* no copy of it is kept */
-        return status;
+    NEED(iso_subject_make_scene(look, pyramid, scene, err));
+    if (!own_path)
+        return ISO_OK;
+    OWNED(iso_view) view = {0};
+    NEED(iso_scene_resolve(scene, &pyramid->levels[0].geometry, iso_pyramid_lo(pyramid), iso_pyramid_hi(pyramid), &view,
+                           err)); /* no copy of a wrong one is kept */
     char of[sizeof scene->tf.of]; /* messages name the user's file, not its copy */
     memcpy(of, scene->tf.of, sizeof of);
-    status = iso_validate_scene_save(scene, own_path, err);
+    const iso_status status = iso_validate_scene_save(scene, own_path, err);
     iso_scene_destroy(scene);
     a->look.scene = own_path;
-    TRY(status, iso_scene_load(own_path, scene, err));
-    if (status == ISO_OK)
-        memcpy(scene->tf.of, of, sizeof of);
-    return status;
+    NEED(status);
+    NEED(iso_scene_load(own_path, scene, err));
+    memcpy(scene->tf.of, of, sizeof of);
+    return ISO_OK;
 }
 
 static iso_status load_and_validate(const iso_validate_arguments *given, const iso_cli *cli, iso_pyramid_options *build,
                                     iso_picture_store **store, iso_error *err)
 {
     iso_progress progress = iso_cli_progress(cli);
-    iso_pyramid pyramid = {0};
-    iso_scene scene = {0};
+    FREED char *own_scene = NULL;
+    OWNED(iso_pyramid) pyramid = {0};
+    OWNED(iso_scene) scene = {0};
     iso_validate_arguments a = *given;
-    char *own_scene = NULL;
     iso_subject_look look;
     bool wanted[ISO_MAX_RENDERERS];
     build->level_count = a.level_count > 0 ? (size_t)a.level_count : a.quick ? 3 : 4;
-    iso_status status = iso_renderers_from_list(a.with, wanted, err);
-    if (status == ISO_OK)
-        iso_validate_expect(cli->progress, wanted, build->level_count, a.budget != ISO_NO_BUDGET);
-    if (status == ISO_OK && has_own_scene(&a))
-        status = iso_validate_scene_name(a.output, &own_scene, err);
-    TRY(status, iso_cli_look_check(&a.look, cli->threads, &look, err));
-    if (status == ISO_OK && own_scene)
-        status = iso_validate_scene_guard(own_scene, err);
-    TRY(status, iso_subject_load_pyramid(cli->arguments[0], &a.input, build, &progress, &pyramid, err));
-    TRY(status, load_scene(&a, &look, &pyramid, own_scene, &scene, err));
-    TRY(status, validate(&a, cli, &pyramid, &scene, store, err));
-    iso_scene_destroy(&scene);
-    iso_pyramid_destroy(&pyramid);
-    free(own_scene);
-    return status;
+    NEED(iso_renderers_from_list(a.with, wanted, err));
+    iso_validate_expect(cli->progress, wanted, build->level_count, a.budget != ISO_NO_BUDGET);
+    if (has_own_scene(&a))
+        NEED(iso_validate_scene_name(a.output, &own_scene, err));
+    NEED(iso_cli_look_check(&a.look, cli->threads, &look, err));
+    if (own_scene)
+        NEED(iso_validate_scene_guard(own_scene, err));
+    NEED(iso_subject_load_pyramid(cli->arguments[0], &a.input, build, &progress, &pyramid, err));
+    NEED(load_scene(&a, &look, &pyramid, own_scene, &scene, err));
+    return validate(&a, cli, &pyramid, &scene, store, err);
+}
+
+static iso_status judge_suite(const iso_validate_arguments *a, const iso_cli *cli, iso_validation *v,
+                              iso_suite_options *suite, iso_picture_store **store, iso_error *err)
+{
+    FREED char *line = iso_cli_command_line(cli);
+    const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
+    const double start = iso_clock_seconds();
+    NEED(iso_renderers_from_list(a->with, v->wanted, err));
+    if (a->look.size)
+        NEED(iso_subject_parse_image_size(a->look.size, &suite->width, &suite->height, err));
+    NEED(begin(a, cli, v, &about, suite->code, store, err));
+    NEED(run_stage(v, "calibration", iso_validate_renderers, err));
+    iso_process_set_deadline(v->deadline);
+    const iso_status status = iso_validate_suite(v, suite, err);
+    iso_process_set_deadline(0);
+    NEED(status);
+    iso_report_put(v->report, "seconds", "total", json_real(iso_clock_seconds() - start));
+    return finish(a, cli, v, err);
 }
 
 static iso_status validate_suite(const iso_validate_arguments *a, const iso_cli *cli, const iso_pyramid_options *build,
                                  iso_picture_store **store, iso_error *err)
 {
     enum { quick_pixels = 48 };
-    iso_progress progress = iso_cli_progress(cli);
-    char *line = iso_cli_command_line(cli);
-    iso_validation v = {.quick = a->quick,
-                        .may_lack = !a->with,
-                        .save_viewer = a->viewer ? iso_validate_save_viewer : NULL,
-                        .threads = cli->threads,
-                        .seeds = iso_validate_seeds(a),
-                        .renderers = {.store = *store},
-                        .line = cli->progress,
-                        .progress = &progress};
+    const iso_progress progress = iso_cli_progress(cli);
+    ENDED_BY(end_validation) iso_validation v = {.input_options = ""};
     iso_suite_options suite = {.folder = a->suite,
                                .make_volume = iso_cli_make_volume,
                                .level_count = a->level_count > 0 ? (size_t)a->level_count : 1,
                                .code = build->code,
                                .width = a->quick ? quick_pixels : 0,
                                .height = a->quick ? quick_pixels : 0};
-    const iso_cli_stage stages[] = {{"calibration", 5}, {"scenes", 30}, {"report", 1}};
-    const iso_report_about about = {.title = "scenes that break renderers", .command = line, .scene = a->suite};
-    double start = iso_clock_seconds();
-    iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
-    v.image_prefix = v.variant = v.build_options = v.render_options = v.input_options = "";
-    v.limit_size = iso_validate_limit_size(a);
-    iso_status status = iso_renderers_from_list(a->with, v.wanted, err);
-    if (status == ISO_OK && a->look.size)
-        status = iso_subject_parse_image_size(a->look.size, &suite.width, &suite.height, err);
-    TRY(status, iso_report_create(&v.report, a->output, &about, err));
-    TRY(status, begin_store(a, cli, store, err));
-    v.renderers.store = *store;
-    if (status == ISO_OK) {
-        describe_options(a, &v, build->code);
-        begin_budget(a, &v);
-        status = run_stage(&v, "calibration", iso_validate_renderers, err);
-    }
-    iso_process_set_deadline(v.deadline);
-    TRY(status, iso_validate_suite(&v, &suite, err));
-    iso_process_set_deadline(0);
-    if (status == ISO_OK) {
-        iso_report_put(v.report, "seconds", "total", json_real(iso_clock_seconds() - start));
-        status = finish(a, cli, &v, err);
-    }
-    if (v.report)
-        status = close_store(a, store, has_no_use(&v, status), status, err);
-    iso_report_destroy(v.report);
-    iso_renderers_end(&v.renderers);
-    free(line);
-    return status;
+    iso_cli_expect(cli, (const iso_cli_stage[]){{"calibration", 5}, {"scenes", 30}, {"report", 1}}, 3);
+    take_options(a, cli, *store, &progress, &v);
+    const iso_status status = judge_suite(a, cli, &v, &suite, store, err);
+    return v.report ? close_store(a, store, has_no_use(&v, status), status, err) : status;
 }
 
 static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *cli, iso_error *err)
@@ -414,18 +422,18 @@ static iso_status check_and_run(const iso_validate_arguments *a, const iso_cli *
     iso_pyramid_options build = iso_pyramid_defaults();
     const iso_renderer_info *unused;
     iso_picture_store *store = NULL;
-    iso_status status = iso_renderers_load(a->renderers, err);
-    for (size_t i = 0; a->images && a->images[i] && status == ISO_OK; ++i)
-        status = iso_pictures_register(a->images[i], &unused, err);
+    NEED(iso_renderers_load(a->renderers, err));
+    for (size_t i = 0; a->images && a->images[i]; ++i)
+        NEED(iso_pictures_register(a->images[i], &unused, err));
     build.threads = cli->threads;
-    TRY(status, iso_validate_check_arguments(a, cli, &build, err));
-    TRY(status, iso_cli_take_cycles(&a->cycles, a->with, err));
-    if (status == ISO_OK && !a->shared)
-        status = open_store(a, &store, err);
-    if (status != ISO_OK)
-        return status;
-    status = a->suite ? validate_suite(a, cli, &build, &store, err) : load_and_validate(a, cli, &build, &store, err);
-    return close_store(a, &store, false, status, err);
+    NEED(iso_validate_check_arguments(a, cli, &build, err));
+    NEED(iso_cli_take_cycles(&a->cycles, a->with, err));
+    if (!a->shared)
+        NEED(open_store(a, &store, err));
+    return close_store(a, &store, false,
+                       a->suite ? validate_suite(a, cli, &build, &store, err)
+                                : load_and_validate(a, cli, &build, &store, err),
+                       err);
 }
 
 static const iso_option options[] = {

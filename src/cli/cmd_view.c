@@ -51,24 +51,22 @@ static iso_status read_errors(const char *path, iso_viewer_plan *page, iso_error
     return status;
 }
 
-/* Opens a plan. ISO_E_RANGE: it is for another volume or transfer function. Close it in any case. */
+/* Opens a plan. ISO_E_RANGE: it is for another volume or transfer function. Destroy it in any case. */
 static iso_status open_plan(view_plan *plan, const char *path, const iso_viewer *v, iso_error *err)
 {
     *plan = (view_plan){.page = {.name = iso_provenance_title(path)}};
     const iso_level *level0 = &v->pyramid->levels[0];
-    iso_status status = iso_scene_resolve(v->scene, &level0->geometry, iso_pyramid_lo(v->pyramid),
-                                          iso_pyramid_hi(v->pyramid), &plan->view, err);
-    if (status == ISO_OK)
-        status = iso_planned_create(path, &(iso_planned_subject){level0, v->codes[0], &plan->view.tf, 1}, v->threads,
-                                    &plan->planned, err);
-    TRY(status, read_errors(path, &plan->page, err));
+    NEED(iso_scene_resolve(v->scene, &level0->geometry, iso_pyramid_lo(v->pyramid), iso_pyramid_hi(v->pyramid),
+                           &plan->view, err));
+    NEED(iso_planned_create(path, &(iso_planned_subject){level0, v->codes[0], &plan->view.tf, 1}, v->threads,
+                            &plan->planned, err));
     plan->page.nodes = &plan->planned.nodes;
     plan->page.levels = plan->planned.plan.levels;
     plan->page.drawn = plan->planned.plan.drawn;
-    return status;
+    return read_errors(path, &plan->page, err);
 }
 
-static void close_plan(view_plan *plan)
+static void view_plan_destroy(view_plan *plan)
 {
     iso_planned_destroy(&plan->planned);
     iso_view_destroy(&plan->view);
@@ -212,12 +210,12 @@ static iso_status load(const view_arguments *a, const char *path, const iso_pyra
     OWNED(iso_subject_coarse) coarse = {0};
     if (a->plan || a->adapted || a->errors || a->level == 0)
         return iso_subject_load_pyramid(path, &a->input, build, progress, p, err);
-    iso_status status = iso_subject_load_coarse(path, &a->input, build, most, progress, p, &coarse, err);
-    if (status == ISO_OK && coarse.folder && (status = choose_levels(a, p, v, err)) == ISO_OK) {
-        outline = *p;
-        status = iso_pyramid_load_from(coarse.folder, v->first, p, err);
-    }
-    return status;
+    NEED(iso_subject_load_coarse(path, &a->input, build, most, progress, p, &coarse, err));
+    if (!coarse.folder)
+        return ISO_OK;
+    NEED(choose_levels(a, p, v, err));
+    outline = *p;
+    return iso_pyramid_load_from(coarse.folder, v->first, p, err);
 }
 
 /* Loads the second volume as a pyramid of one level. */
@@ -251,6 +249,7 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
     iso_pyramid_options build = iso_pyramid_defaults();
     OWNED(iso_pyramid) pyramid = {0}, overlay = {0};
     OWNED(iso_scene) scene = {0};
+    OWNED(view_plan) plan = {.page = {.name = NULL}};
     iso_subject_look look;
     iso_viewer v = {.pyramid = &pyramid,
                     .scene = &scene,
@@ -264,39 +263,34 @@ static iso_status view(const view_arguments *a, const iso_cli *cli, iso_error *e
                     .value_unit = value_unit,
                     .folder = is_pyramid ? path : NULL};
     iso_viewer_size size;
-    view_plan plan = {.page = {.name = NULL}};
-    iso_status status = check(a, err);
+    NEED(check(a, err));
     iso_cli_expect(cli, stages, sizeof stages / sizeof *stages);
     build.threads = cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level : 0) + (size_t)a->levels;
-    TRY(status, take_codes(a, &build, &v, err));
-    if (status == ISO_OK && a->plan && v.code_count == 0)
-        status = iso_fail(err, ISO_E_USAGE, "--plan and --code none exclude each other: bricks are shaded by codes");
+    NEED(take_codes(a, &build, &v, err));
+    if (a->plan && v.code_count == 0)
+        return iso_fail(err, ISO_E_USAGE, "--plan and --code none exclude each other: bricks are shaded by codes");
     build.code = v.code_count > 0 ? v.codes[0] : build.code;
     build.keep_float = v.code_count > 1;
-    TRY(status, iso_cli_look_check(&a->look, cli->threads, &look, err));
-    TRY(status, load(a, path, &build, &progress, &v, &pyramid, err));
-    if (status == ISO_OK && is_pyramid && !a->codes)
+    NEED(iso_cli_look_check(&a->look, cli->threads, &look, err));
+    NEED(load(a, path, &build, &progress, &v, &pyramid, err));
+    if (is_pyramid && !a->codes)
         v.codes[0] = pyramid.options.code;
-    if (status == ISO_OK)
-        iso_value_unit_read(path, &a->input, value_unit);
-    TRY(status, choose_levels(a, &pyramid, &v, err));
-    TRY(status, iso_subject_make_scene(&look, &pyramid, &scene, err));
-    if (status == ISO_OK && pyramid.made_for)
+    iso_value_unit_read(path, &a->input, value_unit);
+    NEED(choose_levels(a, &pyramid, &v, err));
+    NEED(iso_subject_make_scene(&look, &pyramid, &scene, err));
+    if (pyramid.made_for)
         note_levels(cli, path);
-    if (status == ISO_OK && a->plan)
-        status = iso_subject_refuse_labels(&pyramid, path, "a plan", err);
-    if (status == ISO_OK && a->plan) {
-        status = open_plan(&plan, a->plan, &v, err);
+    if (a->plan) {
+        NEED(iso_subject_refuse_labels(&pyramid, path, "a plan", err));
+        NEED(open_plan(&plan, a->plan, &v, err));
         v.plan = &plan.page;
     }
-    if (status == ISO_OK && a->overlay)
-        status = load_overlay(a, &progress, &v, &overlay, err);
-    TRY(status, iso_viewer_save(&v, a->output, &progress, &size, err));
-    if (status == ISO_OK)
-        report(a, cli, &v, &size);
-    close_plan(&plan);
-    return status;
+    if (a->overlay)
+        NEED(load_overlay(a, &progress, &v, &overlay, err));
+    NEED(iso_viewer_save(&v, a->output, &progress, &size, err));
+    report(a, cli, &v, &size);
+    return ISO_OK;
 }
 
 static const iso_option options[] = {

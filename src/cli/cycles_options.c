@@ -4,7 +4,6 @@
 #include <stdio.h>
 
 #include "blender/blender.h"
-#include "renderers/blenders.h"
 #include "renderers/renderers.h"
 #include "report/rows.h"
 
@@ -12,13 +11,13 @@ iso_status iso_cli_take_cycles(const iso_cli_cycles *a, const char *with, iso_er
 {
     bool wanted[ISO_MAX_RENDERERS];
     const iso_renderer_info *cycles;
-    iso_status status = iso_renderers_from_list(with, wanted, err);
-    TRY(status, iso_renderer_from_name("cycles", &cycles, err));
-    if (status == ISO_OK && (a->blender || a->device) && !wanted[iso_renderer_index(cycles)])
-        status = iso_fail(err, ISO_E_USAGE, "%s needs cycles, which --with %s leaves out",
-                          a->blender ? "--blender" : "--cycles-device", with);
-    TRY(status, iso_cycles_set_device(a->device, err));
-    return status == ISO_OK ? iso_renderers_take_blenders(a->blender, err) : status;
+    NEED(iso_renderers_from_list(with, wanted, err));
+    NEED(iso_renderer_from_name("cycles", &cycles, err));
+    if ((a->blender || a->device) && !wanted[iso_renderer_index(cycles)])
+        return iso_fail(err, ISO_E_USAGE, "%s needs cycles, which --with %s leaves out",
+                        a->blender ? "--blender" : "--cycles-device", with);
+    NEED(iso_cycles_set_device(a->device, err));
+    return iso_renderers_take_blenders(a->blender, err);
 }
 
 void iso_cli_print_versions(const json_t *report)
@@ -32,8 +31,8 @@ void iso_cli_print_versions(const json_t *report)
             continue;
         json_unpack((json_t *)found, "{s:[I,I]}", "pixel", &column, &line);
         printf("%s, level %lld: %s against %s: largest change %.2g in column %lld, row %lld (noise there %.2g): %s\n",
-               iso_row_text(row, "scene"), (long long)json_integer_value(json_object_get(row, "level")),
-               iso_row_text(row, "renderer"), iso_row_text(row, "a"), iso_row_number(found, "largest_change"), column,
-               line, iso_row_number(found, "noise_there"), iso_row_text(row, "verdict"));
+               iso_row_text(row, "scene"), iso_row_level(row), iso_row_text(row, "renderer"), iso_row_text(row, "a"),
+               iso_row_number(found, "largest_change"), column, line, iso_row_number(found, "noise_there"),
+               iso_row_text(row, "verdict"));
     }
 }

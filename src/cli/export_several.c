@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "cli/export_several.h"
+#include "cli/export.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -20,7 +20,9 @@ typedef struct one_volume {
 } one_volume;
 
 typedef struct several_job {
-    const iso_export_several *asked;
+    const iso_export_arguments *asked;
+    const iso_export_target *target;
+    const iso_subject_look *look;
     iso_progress progress;
     one_volume volumes[MOST_VOLUMES];
     size_t count;
@@ -64,13 +66,14 @@ static iso_status add(several_job *job, const char *path, const char *tf, const 
     *v = (one_volume){.path = strdup(path), .tf = tf ? strdup(tf) : NULL, .channel = channel ? strdup(channel) : NULL};
     set_name(job, v, name);
     ++job->count;
-    return v->path && (v->tf || !tf) && (v->channel || !channel) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    return v->path && (v->tf || !tf) && (v->channel || !channel) ? ISO_OK
+                                                                 : iso_fail(err, ISO_E_MEMORY, "out of memory");
 }
 
 static iso_status add_channel(several_job *job, const char *channel, iso_error *err)
 {
-    const iso_export_several *a = job->asked;
-    iso_volume_input input = *a->input;
+    const iso_export_arguments *a = job->asked;
+    iso_volume_input input = a->input;
     iso_volume_source *source = NULL;
     char name[NAME_BYTES];
     input.channel = (char *)channel;
@@ -83,37 +86,34 @@ static iso_status add_channel(several_job *job, const char *channel, iso_error *
 }
 
 /* Counts the channels of the file by opening the first one. */
-static iso_status count_channels(const iso_export_several *a, size_t *count, iso_error *err)
+static iso_status count_channels(const iso_export_arguments *a, size_t *count, iso_error *err)
 {
-    iso_volume_input input = *a->input;
+    iso_volume_input input = a->input;
     ENDED_BY(iso_source_close_owned) iso_volume_source *source = NULL;
     char first[] = "0";
     input.channel = first;
-    iso_status status = iso_volume_input_open(a->cli->arguments[0], &input, &source, err);
-    *count = status == ISO_OK ? iso_source_volume(source)->notes.channel_count : 0;
-    return status == ISO_OK && *count < 2
+    NEED(iso_volume_input_open(a->cli->arguments[0], &input, &source, err));
+    *count = iso_source_volume(source)->notes.channel_count;
+    return *count < 2
                ? iso_fail(err, ISO_E_USAGE, "%s: has one channel; --channels needs several", a->cli->arguments[0])
-               : status;
+               : ISO_OK;
 }
 
 static iso_status add_channels(several_job *job, iso_error *err)
 {
     const char *list = job->asked->channels;
     size_t count = 0;
-    iso_status status = count_channels(job->asked, &count, err);
-    if (status == ISO_OK && strcmp(list, "all") == 0) {
-        for (size_t c = 0; c < count && status == ISO_OK; ++c) {
-            char number[24];
-            snprintf(number, sizeof number, "%zu", c);
-            status = add_channel(job, number, err);
-        }
-        return status;
+    NEED(count_channels(job->asked, &count, err));
+    const bool all = strcmp(list, "all") == 0;
+    for (size_t c = 0; all && c < count; ++c) {
+        char number[24];
+        snprintf(number, sizeof number, "%zu", c);
+        NEED(add_channel(job, number, err));
     }
-    char *copy = strdup(list), *rest = copy;
-    for (char *word; status == ISO_OK && (word = strsep(&rest, ","));)
-        status = add_channel(job, word, err);
-    free(copy);
-    return status;
+    FREED char *copy = strdup(all ? "" : list);
+    for (char *word, *rest = copy; !all && (word = strsep(&rest, ","));)
+        NEED(add_channel(job, word, err));
+    return ISO_OK;
 }
 
 /* Adds a volume of --add, "VOLUME,TF": the last comma separates them, unless a file of the whole name exists. */
@@ -136,17 +136,14 @@ static void color_points(iso_tf *tf, const double color[3])
 static iso_status make_view(several_job *job, size_t i, const iso_pyramid *p, iso_view *view, iso_error *err)
 {
     const one_volume *v = &job->volumes[i];
-    iso_subject_look look = *job->asked->look;
-    iso_scene scene = {0};
+    iso_subject_look look = *job->look;
+    OWNED(iso_scene) scene = {0};
     const bool colored = v->channel && !look.tf && !p->levels[0].labels;
     look.tf = v->tf ? v->tf : i > 0 && !v->channel ? "auto" : colored ? "auto" : look.tf;
-    iso_status status = iso_subject_make_scene(&look, p, &scene, err);
-    if (status == ISO_OK && colored)
+    NEED(iso_subject_make_scene(&look, p, &scene, err));
+    if (colored)
         color_points(&scene.tf, channel_colors[i % COLORS]);
-    TRY(status, iso_scene_resolve(&scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err));
-    iso_scene_destroy(&scene);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_scene_resolve(&scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err));
     if (i == 0) {
         job->first = *view;
         return ISO_OK;
@@ -160,66 +157,68 @@ static iso_status make_view(several_job *job, size_t i, const iso_pyramid *p, is
 static iso_status load(void *user, size_t i, iso_pyramid *p, iso_view *view, char name[NAME_BYTES], iso_error *err)
 {
     several_job *job = user;
-    const iso_export_several *a = job->asked;
+    const iso_export_arguments *a = job->asked;
     const one_volume *v = &job->volumes[i];
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_volume_input input = *a->input;
+    iso_volume_input input = a->input;
     build.threads = a->cli->threads;
-    build.level_count = a->level + a->level_count;
+    build.level_count = (size_t)(a->level + a->level_count);
     if (v->channel)
         input.channel = v->channel;
     else if (i > 0)
-        input = (iso_volume_input){0}; /* the options apply only to the first volume */
-    iso_status status = iso_subject_load_pyramid(v->path, &input, &build, &job->progress, p, err);
-    TRY(status, iso_pyramid_check_level(p, v->path, build.level_count - 1, err));
-    TRY(status, make_view(job, i, p, view, err));
+        input = (iso_volume_input){0};
     snprintf(name, NAME_BYTES, "%s", v->name);
-    return status;
+    NEED(iso_subject_load_pyramid(v->path, &input, &build, &job->progress, p, err));
+    NEED(iso_pyramid_check_level(p, v->path, build.level_count - 1, err));
+    return make_view(job, i, p, view, err);
 }
 
 static void print_summary(const several_job *job)
 {
-    const iso_export_several *a = job->asked;
-    if (a->cli->json) {
-        json_t *root = iso_cli_json(a->cli), *names = json_array();
-        for (size_t i = 0; i < job->count; ++i)
-            json_array_append_new(names, json_string(job->volumes[i].name));
-        json_object_update_new(root, json_pack("{s:s, s:s, s:i, s:o}", "to", a->target->name, "output", a->output,
-                                               "level", (int)a->level, "volumes", names));
-        iso_cli_print_json(root);
-        return;
+    const iso_export_arguments *a = job->asked;
+    json_auto_t *names = json_array();
+    for (size_t i = 0; i < job->count; ++i) {
+        const one_volume *v = &job->volumes[i];
+        json_array_append_new(names, json_string(v->name));
+        if (!a->cli->json)
+            printf("%s%s%s\n", v->name, v->channel && !job->look->tf ? ": " : "",
+                   v->channel && !job->look->tf ? color_names[i % COLORS] : "");
     }
-    for (size_t i = 0; i < job->count; ++i)
-        printf("%s%s%s\n", job->volumes[i].name, job->volumes[i].channel && !a->look->tf ? ": " : "",
-               job->volumes[i].channel && !a->look->tf ? color_names[i % COLORS] : "");
-    printf("%s: %zu volumes: %s\n", a->output, job->count, a->target->summary);
+    if (a->cli->json)
+        iso_cli_print_results(a->cli, json_pack("{s:s, s:s, s:i, s:O}", "to", job->target->name, "output", a->output,
+                                                "level", a->level, "volumes", names));
+    else
+        printf("%s: %zu volumes: %s\n", a->output, job->count, job->target->summary);
 }
 
-iso_status iso_export_several_volumes(const iso_export_several *a, iso_error *err)
+static iso_status write_volumes(several_job *job, iso_error *err)
 {
-    several_job job = {.asked = a, .progress = iso_cli_progress(a->cli)};
-    iso_status status = a->target->write_volumes
-                            ? ISO_OK
-                            : iso_fail(err, ISO_E_USAGE, "--to %s takes a single volume, without --add and --channels",
-                                       a->target->name);
-    TRY(status, a->channels ? add_channels(&job, err) : add(&job, a->cli->arguments[0], NULL, NULL,
-                                                            name_of_volume(a->cli->arguments[0]), err));
-    for (size_t i = 0; a->added && a->added[i] && status == ISO_OK; ++i)
-        status = add_other(&job, a->added[i], err);
-    if (status == ISO_OK) {
-        const iso_export_job export_job = {.level = a->level,
-                                           .level_count = a->level_count,
-                                           .output = a->output,
-                                           .step_voxels = a->step_voxels,
-                                           .threads = a->cli->threads,
-                                           .progress = &job.progress,
-                                           .volume_count = job.count,
-                                           .load_volume = load,
-                                           .volume_user = &job};
-        status = a->target->write_volumes(&export_job, err);
-    }
-    if (status == ISO_OK)
-        print_summary(&job);
+    const iso_export_arguments *a = job->asked;
+    const char *path = a->cli->arguments[0];
+    NEED(a->channels ? add_channels(job, err) : add(job, path, NULL, NULL, name_of_volume(path), err));
+    for (size_t i = 0; a->added && a->added[i]; ++i)
+        NEED(add_other(job, a->added[i], err));
+    NEED(job->target->write_volumes(&(iso_export_job){.level = (size_t)a->level,
+                                                      .level_count = (size_t)a->level_count,
+                                                      .output = a->output,
+                                                      .step_voxels = a->step == ISO_STEP_OF_SCENE ? 0 : a->step,
+                                                      .threads = a->cli->threads,
+                                                      .progress = &job->progress,
+                                                      .volume_count = job->count,
+                                                      .load_volume = load,
+                                                      .volume_user = job},
+                                    err));
+    print_summary(job);
+    return ISO_OK;
+}
+
+iso_status iso_export_several_volumes(const iso_export_arguments *a, const iso_export_target *target,
+                                      const iso_subject_look *look, iso_error *err)
+{
+    several_job job = {.asked = a, .target = target, .look = look, .progress = iso_cli_progress(a->cli)};
+    if (!target->write_volumes)
+        return iso_fail(err, ISO_E_USAGE, "--to %s takes a single volume, without --add and --channels", target->name);
+    const iso_status status = write_volumes(&job, err);
     for (size_t i = 0; i < job.count; ++i) {
         free(job.volumes[i].path);
         free(job.volumes[i].tf);

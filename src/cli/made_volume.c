@@ -35,19 +35,13 @@ static iso_status run_make(const char *make, int argc, const char **argv, iso_er
 iso_status iso_cli_make_volume(const char *make, const char *path, iso_error *err)
 {
     int count;
-    const char **words;
+    FREED const char **words = NULL, **argv = NULL;
     if (poptParseArgvString(make, &count, &words) != 0)
         return iso_fail(err, ISO_E_FORMAT, "\"make\" is \"%s\", must be a list of words", make);
-    iso_status status = check_words(make, words, count, err);
-    const char **argv = calloc((size_t)count + 4, sizeof *argv);
-    if (status == ISO_OK && !argv)
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK) {
-        argv[0] = "make", argv[1] = "-o", argv[2] = path;
-        memcpy(argv + 3, words, (size_t)count * sizeof *argv);
-        status = run_make(make, count + 3, argv, err);
-    }
-    free(argv);
-    free(words);
-    return status;
+    NEED(check_words(make, words, count, err));
+    if (!(argv = calloc((size_t)count + 4, sizeof *argv)))
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    argv[0] = "make", argv[1] = "-o", argv[2] = path;
+    memcpy(argv + 3, words, (size_t)count * sizeof *argv);
+    return run_make(make, count + 3, argv, err);
 }

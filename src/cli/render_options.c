@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/render_options.h"
+#include "cli/render.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -129,24 +129,20 @@ static iso_status check_limit(const iso_render_arguments *a, const iso_renderer_
 iso_status iso_render_take_options(const iso_render_arguments *a, int threads, iso_render_options *opt, iso_error *err)
 {
     const iso_renderer_info *renderer;
-    iso_status status = iso_renderer_from_name(a->with ? a->with : iso_renderers_usual()->name, &renderer, err);
-    *opt = iso_render_defaults(status == ISO_OK ? renderer : iso_renderers_usual());
-    if (status == ISO_OK && a->source)
-        status = iso_direction_source_from_name(a->source, &opt->source, err);
-    TRY(status, iso_words_check_range("--intervals", a->intervals, 0,
-                                      renderer->max_intervals ? (double)renderer->max_intervals : 1e6, err));
-    TRY(status, check_for_renderer(a, renderer, err));
-    TRY(status, check_cache(a, renderer, err));
-    TRY(status, check_limit(a, renderer, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_renderer_from_name(a->with ? a->with : iso_renderers_usual()->name, &renderer, err));
+    *opt = iso_render_defaults(renderer);
+    if (a->source)
+        NEED(iso_direction_source_from_name(a->source, &opt->source, err));
+    NEED(iso_words_check_range("--intervals", a->intervals, 0,
+                               renderer->max_intervals ? (double)renderer->max_intervals : 1e6, err));
+    NEED(check_for_renderer(a, renderer, err));
+    NEED(check_cache(a, renderer, err));
+    NEED(check_limit(a, renderer, err));
     if (a->quadrature)
-        status = take_quadrature(a->quadrature, renderer, &opt->quadrature, err);
-    if (status != ISO_OK)
-        return status;
+        NEED(take_quadrature(a->quadrature, renderer, &opt->quadrature, err));
     if (a->isosurface) {
         double value[3];
-        status = iso_words_parse_numbers(a->isosurface, "--isosurface", value, err);
+        NEED(iso_words_parse_numbers(a->isosurface, "--isosurface", value, err));
         opt->isosurface = true;
         opt->iso = value[0];
     }
@@ -159,5 +155,5 @@ iso_status iso_render_take_options(const iso_render_arguments *a, int threads, i
     opt->threads = threads;
     opt->shade_table = a->shade_table;
     opt->exact_lookups = a->exact_lookups;
-    return status;
+    return ISO_OK;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "cli/render_paged.h"
+#include "cli/render.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -11,7 +11,6 @@
 #include "base/json.h"
 #include "base/version.h"
 #include "base/words.h"
-#include "cli/render_result.h"
 #include "image/image.h"
 #include "render/cpu/paged.h"
 #include "scene/subject.h"
@@ -41,12 +40,12 @@ static iso_status make_view(const iso_render_arguments *a, const iso_cli *cli, c
                             iso_error *err)
 {
     iso_subject_look look;
-    iso_status status = iso_cli_look_check(&a->look, cli->threads, &look, err);
-    if (status == ISO_OK && iso_subject_look_needs_values(&look))
-        status = iso_fail(err, ISO_E_USAGE,
-                          "--memory needs a transfer function from a file, by --scene or --tf; write one "
-                          "with isoshade tf suggest");
-    return status == ISO_OK ? iso_subject_make_view(&look, p, view, err) : status;
+    NEED(iso_cli_look_check(&a->look, cli->threads, &look, err));
+    if (iso_subject_look_needs_values(&look))
+        return iso_fail(err, ISO_E_USAGE,
+                        "--memory needs a transfer function from a file, by --scene or --tf; write one "
+                        "with isoshade tf suggest");
+    return iso_subject_make_view(&look, p, view, err);
 }
 
 /* Returns "out_level_2.exr" for "out.exr", or the name itself for the last frame. */
@@ -89,6 +88,8 @@ static void report(const iso_cli *cli, const char *path, size_t level, const iso
                                     s->bytes_read, "memory_bytes", s->memory_bytes, "seconds", s->seconds));
 }
 
+ISO_ENDING(close_pages, iso_level_pages, iso_level_pages_close)
+
 static iso_status render_level(const iso_render_arguments *a, const iso_cli *cli, const iso_pyramid *p,
                                const iso_view *view, size_t level, json_t *frames, iso_error *err)
 {
@@ -96,18 +97,14 @@ static iso_status render_level(const iso_render_arguments *a, const iso_cli *cli
     const iso_paged_options opt = {.memory_bytes = a->memory_mb * 1048576,
                                    .step_voxels = a->step == ISO_STEP_OF_SCENE ? 0 : a->step,
                                    .threads = cli->threads};
-    iso_level_pages *pages = NULL;
-    iso_image image = {0};
+    ENDED_BY(close_pages) iso_level_pages *pages = NULL;
+    OWNED(iso_image) image = {0};
     iso_paged_stats stats;
-    iso_status status = iso_level_pages_open(cli->arguments[0], p, level, iso_view_is_lit(view), &pages, err);
-    TRY(status,
-        iso_cpu_render_paged(&p->levels[level], p->options.code, pages, view, &opt, &image, &stats, &progress, err));
-    TRY(status, save(a, cli, &image, level, err));
-    if (status == ISO_OK)
-        report(cli, a->output, level, &stats, frames);
-    iso_image_destroy(&image);
-    iso_level_pages_close(pages);
-    return status;
+    NEED(iso_level_pages_open(cli->arguments[0], p, level, iso_view_is_lit(view), &pages, err));
+    NEED(iso_cpu_render_paged(&p->levels[level], p->options.code, pages, view, &opt, &image, &stats, &progress, err));
+    NEED(save(a, cli, &image, level, err));
+    report(cli, a->output, level, &stats, frames);
+    return ISO_OK;
 }
 
 iso_status iso_cli_render_paged(const iso_render_arguments *a, const iso_cli *cli, iso_error *err)
@@ -126,11 +123,7 @@ iso_status iso_cli_render_paged(const iso_render_arguments *a, const iso_cli *cl
     const size_t last = (size_t)a->level, first = a->refine && pyramid.level_count ? pyramid.level_count - 1 : last;
     for (size_t k = first + 1; k-- > last;)
         NEED(render_level(a, cli, &pyramid, &view, k, frames, err));
-    if (cli->json) {
-        json_t *root = iso_cli_json(cli);
-        json_object_set_new(root, "image", json_string(a->output));
-        json_object_set(root, "frames", frames);
-        iso_cli_print_json(root);
-    }
+    if (cli->json)
+        iso_cli_print_results(cli, json_pack("{s:s, s:O}", "image", a->output, "frames", frames));
     return ISO_OK;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "cli/render_result.h"
+#include "cli/render.h"
 
 #include <math.h>
 #include <stdio.h>

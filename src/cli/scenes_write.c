@@ -27,6 +27,13 @@ typedef struct writing {
     iso_elsewhere elsewhere;
 } writing;
 
+static void writing_destroy(writing *w)
+{
+    iso_output_abandon(&w->out);
+    json_decref(w->elsewhere.pictures);
+    json_decref(w->elsewhere.left_out);
+}
+
 static char *name_of_scene(const char *path)
 {
     const char *base = iso_path_base(path);
@@ -38,14 +45,11 @@ static char *name_of_scene(const char *path)
 static iso_status write_scene(const writing *w, iso_scene *scene, const iso_pyramid *p, const char *name,
                               iso_error *err)
 {
-    iso_view view = {0};
-    iso_status status = w->asked->look.size
-                            ? iso_subject_parse_image_size(w->asked->look.size, &scene->width, &scene->height, err)
-                            : ISO_OK;
-    TRY(status, iso_scene_resolve(scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &view, err));
-    TRY(status, iso_elsewhere_write_scene(&w->elsewhere, p, scene, &view, name, err));
-    iso_view_destroy(&view);
-    return status;
+    OWNED(iso_view) view = {0};
+    if (w->asked->look.size)
+        NEED(iso_subject_parse_image_size(w->asked->look.size, &scene->width, &scene->height, err));
+    NEED(iso_scene_resolve(scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), &view, err));
+    return iso_elsewhere_write_scene(&w->elsewhere, p, scene, &view, name, err);
 }
 
 static iso_pyramid_options options_of(const iso_scenes_write *a, size_t usual_levels)
@@ -66,15 +70,11 @@ static bool has_own_scene(const iso_cli_look *look)
 /* Saves a scene without a file as DIR/scene.scene.json, and reads it again so that both are equal. */
 static iso_status keep_scene(const writing *w, iso_scene *scene, iso_error *err)
 {
-    json_t *root = iso_scene_to_json(scene);
-    char *path = iso_path_join(w->out.temp_path, "scene.scene.json");
-    iso_status status = root && path ? iso_scene_save_json(root, path, err)
-                                     : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    json_auto_t *root = iso_scene_to_json(scene);
+    FREED char *path = iso_path_join(w->out.temp_path, "scene.scene.json");
     iso_scene_destroy(scene);
-    TRY(status, iso_scene_load(path, scene, err));
-    json_decref(root);
-    free(path);
-    return status;
+    NEED(root && path ? iso_scene_save_json(root, path, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    return iso_scene_load(path, scene, err);
 }
 
 static iso_status write_volume(const writing *w, iso_error *err)
@@ -82,22 +82,18 @@ static iso_status write_volume(const writing *w, iso_error *err)
     const iso_scenes_write *a = w->asked;
     const iso_pyramid_options build = options_of(a, USUAL_LEVELS);
     iso_progress progress = iso_cli_progress(a->cli);
-    iso_pyramid pyramid = {0};
-    iso_scene scene = {0};
+    OWNED(iso_pyramid) pyramid = {0};
+    OWNED(iso_scene) scene = {0};
     iso_subject_look look;
     const bool own = has_own_scene(&a->look);
-    char *name = own ? strdup("scene") : name_of_scene(a->look.scene);
-    iso_status status = name ? iso_cli_look_check(&a->look, a->cli->threads, &look, err)
-                             : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_subject_load_pyramid(a->cli->arguments[0], a->input, &build, &progress, &pyramid, err));
-    TRY(status, iso_subject_make_scene(&look, &pyramid, &scene, err));
-    if (status == ISO_OK && own)
-        status = keep_scene(w, &scene, err);
-    TRY(status, write_scene(w, &scene, &pyramid, name, err));
-    iso_scene_destroy(&scene);
-    iso_pyramid_destroy(&pyramid);
-    free(name);
-    return status;
+    FREED char *name = own ? strdup("scene") : name_of_scene(a->look.scene);
+    NEED(name ? iso_cli_look_check(&a->look, a->cli->threads, &look, err)
+              : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    NEED(iso_subject_load_pyramid(a->cli->arguments[0], a->input, &build, &progress, &pyramid, err));
+    NEED(iso_subject_make_scene(&look, &pyramid, &scene, err));
+    if (own)
+        NEED(keep_scene(w, &scene, err));
+    return write_scene(w, &scene, &pyramid, name, err);
 }
 
 /* ---- a suite ---- */
@@ -111,21 +107,17 @@ static iso_status write_suite_scene(const writing *w, const char *file, const ch
 {
     const iso_volume_input plain = {0};
     const iso_pyramid_options build = options_of(w->asked, 1);
-    iso_scene scene = {0};
-    iso_pyramid pyramid = {0};
-    char *path = iso_path_join(w->asked->suite, file), *name = name_of_scene(file);
-    iso_status status = path && name ? iso_scene_load(path, &scene, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK && !scene.suite_make)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: has no \"suite\", which names its volume", path);
-    if (status == ISO_OK && (status = iso_cli_make_volume(scene.suite_make, volume, err)) != ISO_OK)
-        status = iso_fail_in(err, status, "%s", path);
-    TRY(status, iso_subject_load_pyramid(volume, &plain, &build, NULL, &pyramid, err));
-    TRY(status, write_scene(w, &scene, &pyramid, name, err));
-    iso_pyramid_destroy(&pyramid);
-    iso_scene_destroy(&scene);
-    free(path);
-    free(name);
-    return status;
+    OWNED(iso_scene) scene = {0};
+    OWNED(iso_pyramid) pyramid = {0};
+    FREED char *path = iso_path_join(w->asked->suite, file), *name = name_of_scene(file);
+    NEED(path && name ? iso_scene_load(path, &scene, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    if (!scene.suite_make)
+        return iso_fail(err, ISO_E_FORMAT, "%s: has no \"suite\", which names its volume", path);
+    const iso_status status = iso_cli_make_volume(scene.suite_make, volume, err);
+    if (status != ISO_OK)
+        return iso_fail_in(err, status, "%s", path);
+    NEED(iso_subject_load_pyramid(volume, &plain, &build, NULL, &pyramid, err));
+    return write_scene(w, &scene, &pyramid, name, err);
 }
 
 static iso_status write_suite(const writing *w, iso_error *err)
@@ -134,7 +126,8 @@ static iso_status write_suite(const writing *w, iso_error *err)
     const int count = scandir(w->asked->suite, &entries, is_scene, alphasort);
     if (count < 0)
         return iso_fail(err, iso_errno_status(), "%s: cannot be listed: %s", w->asked->suite, strerror(errno));
-    char *scratch = iso_make_temp_dir(), *volume = scratch ? iso_path_join(scratch, "volume.nrrd") : NULL;
+    ENDED_BY(iso_end_temp_dir) char *scratch = iso_make_temp_dir();
+    FREED char *volume = scratch ? iso_path_join(scratch, "volume.nrrd") : NULL;
     iso_status status = volume ? ISO_OK : iso_temp_dir_fail(err);
     if (status == ISO_OK && count == 0)
         status = iso_fail(err, ISO_E_USAGE, "%s: the folder has no .scene.json", w->asked->suite);
@@ -143,10 +136,6 @@ static iso_status write_suite(const writing *w, iso_error *err)
         free(entries[i]);
     }
     free(entries);
-    if (scratch)
-        iso_remove_tree(scratch);
-    free(scratch);
-    free(volume);
     return status;
 }
 
@@ -206,7 +195,7 @@ static iso_status check(const iso_scenes_write *a, iso_error *err)
     return ISO_OK;
 }
 
-static iso_status print_summary(const writing *w, iso_error *err)
+static void print_summary(const writing *w)
 {
     const iso_cli *cli = w->asked->cli;
     size_t i, k, count = 0;
@@ -215,14 +204,9 @@ static iso_status print_summary(const writing *w, iso_error *err)
         json_array_foreach (json_object_get(one, "files"), k, file)
             ++count;
     if (cli->json) {
-        json_t *root = iso_cli_json(cli);
-        if (!root)
-            return iso_fail(err, ISO_E_MEMORY, "out of memory");
-        json_object_set_new(root, "output", json_string(w->asked->dir));
-        json_object_set(root, "pictures", w->elsewhere.pictures);
-        json_object_set(root, "left_out", w->elsewhere.left_out);
-        iso_cli_print_json(root);
-        return ISO_OK;
+        iso_cli_print_results(cli, json_pack("{s:s, s:O, s:O}", "output", w->asked->dir, "pictures",
+                                             w->elsewhere.pictures, "left_out", w->elsewhere.left_out));
+        return;
     }
     json_array_foreach (w->elsewhere.left_out, i, one)
         printf("left out: %s: %s\n", json_string_value(json_object_get(one, "scene")),
@@ -230,18 +214,15 @@ static iso_status print_summary(const writing *w, iso_error *err)
     const size_t requests = json_array_size(w->elsewhere.pictures);
     printf("%s: %zu picture%s to render for %zu request%s; %s/README.txt lists them\n", w->asked->dir, count,
            iso_words_plural(count), requests, iso_words_plural(requests), w->asked->dir);
-    return ISO_OK;
 }
 
 iso_status iso_scenes_write_all(const iso_scenes_write *a, iso_error *err)
 {
     const bool bits = a->tier && strcmp(a->tier, "8 bits") == 0;
-    writing w = {.asked = a};
-    iso_status status = check(a, err);
-    TRY(status, iso_output_begin_dir(&w.out, a->dir, ISO_PICTURES_INDEX, err));
-    if (status != ISO_OK)
-        return status;
-    char *line = iso_cli_command_line(a->cli), *validate = validate_line(a);
+    OWNED(writing) w = {.asked = a};
+    NEED(check(a, err));
+    NEED(iso_output_begin_dir(&w.out, a->dir, ISO_PICTURES_INDEX, err));
+    FREED char *line = iso_cli_command_line(a->cli), *validate = validate_line(a);
     w.elsewhere = (iso_elsewhere){.dir = w.out.temp_path,
                                   .tier = a->tier ? a->tier : "samples",
                                   .steps = bits           ? 0
@@ -250,16 +231,11 @@ iso_status iso_scenes_write_all(const iso_scenes_write *a, iso_error *err)
                                   .pictures = json_array(),
                                   .left_out = json_array()};
     if (!line || !validate)
-        status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, a->suite ? write_suite(&w, err) : write_volume(&w, err));
-    TRY(status, iso_elsewhere_write_calibrations(&w.elsewhere, err));
-    TRY(status, iso_elsewhere_finish(&w.elsewhere, line, validate, err));
-    TRY(status, iso_output_commit(&w.out, err));
-    TRY(status, print_summary(&w, err));
-    iso_output_abandon(&w.out);
-    json_decref(w.elsewhere.pictures);
-    json_decref(w.elsewhere.left_out);
-    free(line);
-    free(validate);
-    return status;
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED(a->suite ? write_suite(&w, err) : write_volume(&w, err));
+    NEED(iso_elsewhere_write_calibrations(&w.elsewhere, err));
+    NEED(iso_elsewhere_finish(&w.elsewhere, line, validate, err));
+    NEED(iso_output_commit(&w.out, err));
+    print_summary(&w);
+    return ISO_OK;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "cli/tf_adapt.h"
+#include "cli/tf.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -97,6 +97,12 @@ typedef struct adapt_run {
     iso_level_gate gate; /* open if transfer functions are optimized */
 } adapt_run;
 
+static void adapt_run_destroy(adapt_run *run)
+{
+    iso_level_gate_close(&run->gate);
+    iso_small_views_fine_destroy(&run->level_0);
+}
+
 /* Replaces a level's transfer function by an optimized one, if that is nearer. */
 static iso_status optimize(adapt_run *run, size_t level, iso_tf_table *table, iso_level_seen seen[2], iso_error *err)
 {
@@ -117,36 +123,31 @@ static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
     const char *input = a->cli->arguments[1];
     iso_adapt_options opt = {0};
     iso_adapt_judgment v;
-    iso_tf_table table = {0};
-    iso_tf file = {0};
+    OWNED(iso_tf_table) table = {0};
+    OWNED(iso_tf) file = {0};
     iso_level_seen seen[2];
-    char *path = adapted_path(a, level);
-    iso_status status = path ? iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err)
-                             : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    FREED char *path = adapted_path(a, level);
+    NEED(path ? iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err)
+              : iso_fail(err, ISO_E_MEMORY, "out of memory"));
     opt.folder = iso_pyramid_is_one(input) ? input : NULL;
     opt.level_0 = &run->level_0;
-    TRY(status, iso_adapt_level(run->p, level, run->tf, &opt, &table, &v, err));
-    if (status == ISO_OK && level > 0 && !opt.fall_back) /* not yet measured by small views */
-        status = iso_ghost_measure(run->p, level, run->tf, &table, NULL, a->cli->threads, &v.ghost, err);
-    if (status == ISO_OK && a->optimize)
-        status = optimize(run, level, &table, seen, err);
-    TRY(status, iso_tf_from_table(&table, &file, err));
-    TRY(status, iso_tf_save(&file, path, err));
-    if (status == ISO_OK) {
-        json_t *entry = json_of_level(level, path, table.count, &v);
-        if (a->optimize)
-            add_optimized(entry, seen);
-        json_array_append_new(run->levels, entry);
-        if (!a->cli->json)
-            print_level(level, path, &v);
-        if (!a->cli->json && a->optimize)
-            printf("         optimized: 1-SSIM %.4f, before %.4f; RMSE %.4f, before %.4f\n", seen[1].ssim_dissimilarity,
-                   seen[0].ssim_dissimilarity, seen[1].rmse, seen[0].rmse);
-    }
-    iso_tf_destroy(&file);
-    iso_tf_table_destroy(&table);
-    free(path);
-    return status;
+    NEED(iso_adapt_level(run->p, level, run->tf, &opt, &table, &v, err));
+    if (level > 0 && !opt.fall_back) /* not yet measured by small views */
+        NEED(iso_ghost_measure(run->p, level, run->tf, &table, NULL, a->cli->threads, &v.ghost, err));
+    if (a->optimize)
+        NEED(optimize(run, level, &table, seen, err));
+    NEED(iso_tf_from_table(&table, &file, err));
+    NEED(iso_tf_save(&file, path, err));
+    json_t *entry = json_of_level(level, path, table.count, &v);
+    if (a->optimize)
+        add_optimized(entry, seen);
+    json_array_append_new(run->levels, entry);
+    if (!a->cli->json)
+        print_level(level, path, &v);
+    if (!a->cli->json && a->optimize)
+        printf("         optimized: 1-SSIM %.4f, before %.4f; RMSE %.4f, before %.4f\n", seen[1].ssim_dissimilarity,
+               seen[0].ssim_dissimilarity, seen[1].rmse, seen[0].rmse);
+    return ISO_OK;
 }
 
 iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, const iso_subject_look *look, bool small_views,
@@ -207,54 +208,44 @@ static iso_status adapt_levels(adapt_run *run, iso_error *err)
     const iso_tf_arguments *a = run->a;
     const iso_progress progress = iso_cli_progress(a->cli);
     const size_t count = run->p->level_count;
-    iso_status status = ISO_OK;
-    for (size_t k = 1; k < count && status == ISO_OK; ++k) {
+    for (size_t k = 1; k < count; ++k) {
         iso_progress_report(&progress, ISO_TF_LEVELS_STAGE, (double)(k - 1) / (double)(count - 1));
         if (a->level == 0 || (size_t)a->level == k)
-            status = adapt_one(run, k, err);
+            NEED(adapt_one(run, k, err));
     }
     iso_progress_report(&progress, ISO_TF_LEVELS_STAGE, 1);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_cli_tf_adapt(const iso_tf_arguments *a, iso_error *err)
 {
     const iso_cli *cli = a->cli;
     iso_pyramid_options build = iso_pyramid_defaults();
-    iso_pyramid p = {0};
+    OWNED(iso_pyramid) p = {0};
     iso_subject_look look;
     iso_adapt_options checked;
-    iso_scene scene = {0};
-    iso_tf_table table = {0};
+    OWNED(iso_scene) scene = {0};
+    OWNED(iso_tf_table) table = {0};
     json_auto_t *levels = json_array();
+    OWNED(adapt_run) run = {.a = a, .p = &p, .tf = &table, .levels = levels, .scene = &scene};
     if (cli->argument_count != 2 || !a->output)
         return iso_fail(err, ISO_E_USAGE, "usage: isoshade tf adapt VOLUME|PYRAMID.iso [--tf FILE|PRESET] -o OUT");
     build.threads = cli->threads;
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
     iso_cli_tf_expect_levels(cli);
-    iso_status status = check_output_name(a, err);
-    TRY(status, iso_cli_look_check(&a->look, cli->threads, &look, err));
-    TRY(status, iso_cli_adapt_options(&a->adapted, cli->threads, &checked, err));
-    TRY(status, load(a, &look, &build, &p, err));
-    TRY(status, iso_pyramid_check_level(&p, cli->arguments[1], (size_t)a->level, err));
-    for (size_t k = 1; k < p.level_count && status == ISO_OK; ++k)
-        if (a->level == 0)
-            status = guard_level(a, k, err);
-    TRY(status, iso_subject_make_scene(&look, &p, &scene, err));
-    TRY(status, tabulate(&scene, &p, &table, err));
-    adapt_run run = {.a = a, .p = &p, .tf = &table, .levels = levels, .scene = &scene};
-    if (status == ISO_OK && a->optimize)
-        status = iso_level_gate_open(&run.gate, &p, &scene, cli->threads, err);
-    TRY(status, adapt_levels(&run, err));
-    iso_level_gate_close(&run.gate);
-    iso_scene_destroy(&scene);
-    iso_small_views_fine_destroy(&run.level_0);
-    if (status == ISO_OK && cli->json) {
-        json_t *root = iso_cli_json(cli);
-        json_object_set(root, "levels", levels);
-        iso_cli_print_json(root);
-    }
-    iso_tf_table_destroy(&table);
-    iso_pyramid_destroy(&p);
-    return status;
+    NEED(check_output_name(a, err));
+    NEED(iso_cli_look_check(&a->look, cli->threads, &look, err));
+    NEED(iso_cli_adapt_options(&a->adapted, cli->threads, &checked, err));
+    NEED(load(a, &look, &build, &p, err));
+    NEED(iso_pyramid_check_level(&p, cli->arguments[1], (size_t)a->level, err));
+    for (size_t k = 1; k < p.level_count && a->level == 0; ++k)
+        NEED(guard_level(a, k, err));
+    NEED(iso_subject_make_scene(&look, &p, &scene, err));
+    NEED(tabulate(&scene, &p, &table, err));
+    if (a->optimize)
+        NEED(iso_level_gate_open(&run.gate, &p, &scene, cli->threads, err));
+    NEED(adapt_levels(&run, err));
+    if (cli->json)
+        iso_cli_print_results(cli, json_pack("{s:O}", "levels", levels));
+    return ISO_OK;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/tf_bound.h"
+#include "cli/tf.h"
 
-#include "cli/tf_adapt.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -10,13 +9,13 @@
 #include "options/visible.h"
 
 /* Computes the bounds of one level for the scene's transfer function and for the adapted one. */
-static iso_status bound_level(const iso_tf_bound_arguments *a, const iso_pyramid *p, const iso_view *view, size_t level,
+static iso_status bound_level(const iso_tf_arguments *a, const iso_pyramid *p, const iso_view *view, size_t level,
                               double rmse[2], iso_error *err)
 {
     const char *path = a->cli->arguments[1];
     iso_adapt_options opt;
     OWNED(iso_tf_table) table = {0};
-    NEED(iso_cli_adapt_options(a->adapted, a->cli->threads, &opt, err));
+    NEED(iso_cli_adapt_options(&a->adapted, a->cli->threads, &opt, err));
     opt.folder = iso_pyramid_is_one(path) ? path : NULL;
     NEED(iso_adapt_level(p, level, &view->tf, &opt, &table, NULL, err));
     const iso_tf_table *tfs[2] = {&view->tf, &table};
@@ -34,29 +33,26 @@ static iso_status bound_level(const iso_tf_bound_arguments *a, const iso_pyramid
     return ISO_OK;
 }
 
-static iso_status bound_levels(const iso_tf_bound_arguments *a, const iso_pyramid *p, const iso_view *view,
-                               json_t *levels, iso_error *err)
+static iso_status bound_levels(const iso_tf_arguments *a, const iso_pyramid *p, const iso_view *view, json_t *levels,
+                               iso_error *err)
 {
     const iso_progress progress = iso_cli_progress(a->cli);
-    iso_status status = ISO_OK;
-    for (size_t level = 1; level < p->level_count && status == ISO_OK; ++level) {
+    for (size_t level = 1; level < p->level_count; ++level) {
         double rmse[2] = {NAN, NAN};
         iso_progress_report(&progress, ISO_TF_LEVELS_STAGE, (double)(level - 1) / (double)(p->level_count - 1));
         if (a->level > 0 && (size_t)a->level != level)
             continue;
-        status = bound_level(a, p, view, level, rmse, err);
-        if (status != ISO_OK)
-            break;
+        NEED(bound_level(a, p, view, level, rmse, err));
         json_array_append_new(levels, json_pack("{s:i, s:f, s:f}", "level", (int)level, "rmse_bound", rmse[0],
                                                 "rmse_bound_adapted", rmse[1]));
         if (!a->cli->json)
             printf("level %zu  RMSE at most %.4f, with --adapt %.4f\n", level, rmse[0], rmse[1]);
     }
     iso_progress_report(&progress, ISO_TF_LEVELS_STAGE, 1);
-    return status;
+    return ISO_OK;
 }
 
-iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
+iso_status iso_cli_tf_bound(const iso_tf_arguments *a, iso_error *err)
 {
     iso_pyramid_options build = iso_pyramid_defaults();
     iso_progress progress = iso_cli_progress(a->cli);
@@ -70,9 +66,9 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
     build.level_count = (size_t)(a->level > 0 ? a->level + 1 : a->level_count);
     if (a->cli->argument_count != 2)
         return iso_fail(err, ISO_E_USAGE, "usage: isoshade tf bound VOLUME|PYRAMID.iso [--scene FILE.scene.json]");
-    NEED(iso_cli_look_check(a->look, a->cli->threads, &look, err));
-    NEED(iso_cli_adapt_options(a->adapted, a->cli->threads, &checked, err));
-    NEED(iso_subject_load_pyramid(a->cli->arguments[1], a->input, &build, &progress, &p, err));
+    NEED(iso_cli_look_check(&a->look, a->cli->threads, &look, err));
+    NEED(iso_cli_adapt_options(&a->adapted, a->cli->threads, &checked, err));
+    NEED(iso_subject_load_pyramid(a->cli->arguments[1], &a->input, &build, &progress, &p, err));
     if (p.levels[0].geometry.has_no_data)
         return iso_fail(err, ISO_E_RANGE, "%s: some voxels have no data, for which there is no bound",
                         a->cli->arguments[1]);
@@ -81,10 +77,7 @@ iso_status iso_cli_tf_bound(const iso_tf_bound_arguments *a, iso_error *err)
     NEED(iso_subject_make_view(&look, &p, &view, err));
     iso_cli_warn_view(a->cli, &p, &view, NULL, &(bool){false});
     NEED(bound_levels(a, &p, &view, levels, err));
-    if (a->cli->json) {
-        json_t *root = iso_cli_json(a->cli);
-        json_object_set(root, "levels", levels);
-        iso_cli_print_json(root);
-    }
+    if (a->cli->json)
+        iso_cli_print_results(a->cli, json_pack("{s:O}", "levels", levels));
     return ISO_OK;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "cli/tf_convert.h"
+#include "cli/tf.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -52,28 +52,22 @@ iso_status iso_cli_tf_load_volume(const iso_tf_arguments *a, iso_volume *v, iso_
 iso_status iso_cli_tf_load_table(const iso_tf_arguments *a, const char *path, iso_cli_tf_table *t, iso_error *err)
 {
     iso_geometry g = iso_geometry_axis_aligned((size_t[]){1, 1, 1}, (double[]){1, 1, 1});
-    double lo = 0, hi = 1;
-    *t = (iso_cli_tf_table){0};
+    iso_volume_stats stats = {.min = 0, .max = 1};
     iso_tf_request request;
-    iso_volume v = {0};
-    iso_status status = iso_cli_transfer_request(&a->look.transfer, &request, err);
+    OWNED(iso_volume) v = {0};
+    NEED(iso_cli_transfer_request(&a->look.transfer, &request, err));
     request.measure = true;
-    TRY(status, check_name(a, path, &request, err));
-    TRY(status, iso_cli_tf_load_volume(a, &v, err));
-    if (status == ISO_OK && a->volume) {
-        const iso_volume_stats stats = iso_volume_measure(&v);
-        lo = stats.min, hi = stats.max, g = v.geometry;
-    }
-    TRY(status, iso_tf_of_volume(path, &request, &v, a->cli->threads, &t->tf, err));
-    iso_volume_destroy(&v);
-    TRY(status, iso_tf_tabulate(&t->tf, lo, hi, &g, &t->table, err));
+    NEED(check_name(a, path, &request, err));
+    NEED(iso_cli_tf_load_volume(a, &v, err));
+    if (a->volume)
+        stats = iso_volume_measure(&v), g = v.geometry;
+    NEED(iso_tf_of_volume(path, &request, &v, a->cli->threads, &t->tf, err));
+    NEED(iso_tf_tabulate(&t->tf, stats.min, stats.max, &g, &t->table, err));
     t->voxel_mm = iso_geometry_mean_spacing_mm(&g);
     t->unit_mm = t->tf.unit_distance * (t->tf.unit_is_voxels ? t->voxel_mm : 1);
-    if (status == ISO_OK && a->volume)
+    if (a->volume)
         resolve(&t->tf, &t->table, t->unit_mm);
-    if (status != ISO_OK)
-        iso_cli_tf_table_destroy(t);
-    return status;
+    return ISO_OK;
 }
 
 /* ---- convert ----------------------------------------------------------------------------------------------------- */
@@ -141,14 +135,12 @@ static void report(const iso_tf_arguments *a, const iso_cli_tf_table *t, const i
                    const iso_tf_loss *written)
 {
     if (a->cli->json) {
-        json_t *root = iso_cli_json(a->cli);
-        json_object_update_new(root, json_pack("{s:s, s:s, s:o, s:f, s:I, s:I, s:o, s:o}", "output", output_of(a),
-                                               "format", format->name, "range",
-                                               t->tf.fit_range ? json_string("fit") : iso_json_numbers(t->tf.range, 2),
-                                               "unit_distance_mm", unit_mm, "points", (json_int_t)t->tf.point_count,
-                                               "entries", (json_int_t)t->table.count, "read", loss_json(&t->tf.loss),
-                                               "written", loss_json(written)));
-        iso_cli_print_json(root);
+        iso_cli_print_results(a->cli, json_pack("{s:s, s:s, s:o, s:f, s:I, s:I, s:o, s:o}", "output", output_of(a),
+                                                "format", format->name, "range",
+                                                t->tf.fit_range ? json_string("fit") : iso_json_numbers(t->tf.range, 2),
+                                                "unit_distance_mm", unit_mm, "points", (json_int_t)t->tf.point_count,
+                                                "entries", (json_int_t)t->table.count, "read", loss_json(&t->tf.loss),
+                                                "written", loss_json(written)));
         return;
     }
     if (a->cli->quiet)
@@ -203,31 +195,28 @@ iso_status iso_cli_tf_convert(const iso_tf_arguments *a, iso_error *err)
 /* Prints names as JSON. text: one name per line. */
 static void print_names_as_json(const iso_cli *cli, char *text)
 {
-    json_t *root = iso_cli_json(cli), *list = json_array();
+    json_t *list = json_array();
     for (char *name; (name = strsep(&text, "\n"));)
         if (*name)
             json_array_append_new(list, json_string(name));
-    json_object_set_new(root, "names", list);
-    iso_cli_print_json(root);
+    iso_cli_print_results(cli, json_pack("{s:o}", "names", list));
 }
 
 iso_status iso_cli_tf_names(const iso_tf_arguments *a, iso_error *err)
 {
-    char *names = NULL;
+    FREED char *names = NULL;
     OWNED(iso_tf) tf = {0};
     if (a->cli->argument_count != 2)
         return iso_fail(err, ISO_E_USAGE, "usage: isoshade tf names FILE");
-    iso_status status = iso_tf_load_as(a->cli->arguments[1], &(iso_tf_request){.names = &names}, &tf, err);
-    if (names) {
-        if (a->cli->json)
-            print_names_as_json(a->cli, names);
-        else
-            fputs(names, stdout);
-        status = ISO_OK;
-    } else if (status == ISO_OK) {
-        status = iso_fail(err, ISO_E_FORMAT, "%s: holds a single transfer function, without a name",
-                          a->cli->arguments[1]);
-    }
-    free(names);
-    return status;
+    const iso_status status = iso_tf_load_as(a->cli->arguments[1], &(iso_tf_request){.names = &names}, &tf, err);
+    if (!names && status == ISO_OK)
+        return iso_fail(err, ISO_E_FORMAT, "%s: holds a single transfer function, without a name",
+                        a->cli->arguments[1]);
+    if (!names)
+        return status;
+    if (a->cli->json)
+        print_names_as_json(a->cli, names);
+    else
+        fputs(names, stdout);
+    return ISO_OK;
 }

@@ -2,13 +2,12 @@
 /* tf_show.c - draws one panel per TF: opacity over value, filled with the colors, after Figure 4 of [diaz-garcia-2016],
  * in front of the volume's histogram. Panels are gray to make white visible; a strip below also has transparent
  * colors. */
-#include "cli/tf_show.h"
+#include "cli/tf.h"
 
 #include <math.h>
 
 #include "base/file.h"
 #include "cli/histogram_picture.h"
-#include "cli/tf_convert.h"
 #include "report/gnuplot.h"
 #include "tf/color_space.h"
 #include "volume/unit.h"
@@ -86,9 +85,7 @@ static iso_status put_panel(FILE *gp, size_t panel, show_picture *p, iso_error *
     OWNED(iso_cli_tf_table) loaded = {0};
     char length[32];
     const char *name = p->arguments->cli->arguments[1 + panel];
-    iso_status status = iso_cli_tf_load_table(p->arguments, name, &loaded, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_cli_tf_load_table(p->arguments, name, &loaded, err));
     const iso_tf_table *t = &loaded.table;
     double range[2] = {t->lo, t->hi};
     if (p->volume) {
@@ -99,14 +96,13 @@ static iso_status put_panel(FILE *gp, size_t panel, show_picture *p, iso_error *
     put_curve(gp, panel, t, p->unit_mm, range);
     put_colors(gp, panel, t, p->unit_mm, range);
     if (p->volume)
-        status = put_histogram(gp, panel, p, range, err);
+        NEED(put_histogram(gp, panel, p, range, err));
     fputs("set title ", gp);
     iso_gnuplot_put_quoted(gp, iso_path_base(name));
-    fprintf(gp,
-            " noenhanced offset 0,-0.5\nset ylabel 'opacity of %s'\nset xlabel 'value'\nset xrange [%.9g:%.9g]\n",
+    fprintf(gp, " noenhanced offset 0,-0.5\nset ylabel 'opacity of %s'\nset xlabel 'value'\nset xrange [%.9g:%.9g]\n",
             iso_unit_text(p->unit_mm, 3, length, sizeof length), range[0], range[1]);
     put_plot(gp, panel, p->volume != NULL);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status write_panels(FILE *gp, void *user, iso_error *err)
@@ -129,23 +125,18 @@ static iso_status write_panels(FILE *gp, void *user, iso_error *err)
 
 iso_status iso_cli_tf_show(const iso_tf_arguments *a, iso_error *err)
 {
-    iso_volume volume = {0};
+    OWNED(iso_volume) volume = {0};
     show_picture p = {.arguments = a};
     if (a->cli->argument_count < 2 || !a->output)
         return iso_fail(err, ISO_E_USAGE,
                         "usage: isoshade tf show FILE|PRESET... [--volume VOLUME] -o OUT.png|.svg|.pdf");
-    iso_status status = iso_cli_tf_load_volume(a, &volume, err);
-    if (status == ISO_OK && a->volume) {
+    NEED(iso_cli_tf_load_volume(a, &volume, err));
+    if (a->volume) {
         p.volume = &volume;
         p.stats = iso_volume_measure(&volume);
     }
-    TRY(status,
-        iso_gnuplot_picture(a->output, 720, 40 + 220 * (double)(a->cli->argument_count - 1), write_panels, &p, err));
-    if (status == ISO_OK && a->cli->json) {
-        json_t *root = iso_cli_json(a->cli);
-        json_object_set_new(root, "output", json_string(a->output));
-        iso_cli_print_json(root);
-    }
-    iso_volume_destroy(&volume);
-    return status;
+    NEED(iso_gnuplot_picture(a->output, 720, 40 + 220 * (double)(a->cli->argument_count - 1), write_panels, &p, err));
+    if (a->cli->json)
+        iso_cli_print_results(a->cli, json_pack("{s:s}", "output", a->output));
+    return ISO_OK;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/tf_suggest.h"
+#include "cli/tf.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -83,22 +83,22 @@ static iso_status report(const iso_tf_arguments *a, const iso_survey *survey, co
     snprintf(comment, sizeof comment, "Made by isoshade tf suggest, preset %s: %s. Values are the volume's own.",
              preset, iso_suggest_kind_text(found->kind));
     json_auto_t *file = editable(tf, comment);
-    const iso_status status = a->output ? iso_tf_save_json(file, a->output, err) : ISO_OK;
-    if (status == ISO_OK && a->cli->json) {
-        json_t *root = iso_cli_json(a->cli);
-        json_object_update_new(root, json_pack("{s:s, s:s, s:b, s:o, s:O}", "preset", preset, "kind",
-                                               iso_suggest_kind_text(found->kind), "hounsfield", survey->is_hounsfield,
-                                               "materials", materials_of(found), "tf", file));
-        json_object_set_new(root, "padding", survey->has_padding ? json_real(survey->padding) : json_null());
-        json_object_set_new(root, "background", survey->has_background ? json_real(survey->background) : json_null());
-        iso_cli_print_json(root);
-    } else if (status == ISO_OK) {
-        print_survey(survey, found);
-        print_points(tf);
-        if (a->output)
-            printf("%s: %zu points to edit\n", a->output, tf->point_count);
+    if (a->output)
+        NEED(iso_tf_save_json(file, a->output, err));
+    if (a->cli->json) {
+        iso_cli_print_results(a->cli,
+                              json_pack("{s:s, s:s, s:b, s:o, s:O, s:o, s:o}", "preset", preset, "kind",
+                                        iso_suggest_kind_text(found->kind), "hounsfield", survey->is_hounsfield,
+                                        "materials", materials_of(found), "tf", file, "padding",
+                                        survey->has_padding ? json_real(survey->padding) : json_null(), "background",
+                                        survey->has_background ? json_real(survey->background) : json_null()));
+        return ISO_OK;
     }
-    return status;
+    print_survey(survey, found);
+    print_points(tf);
+    if (a->output)
+        printf("%s: %zu points to edit\n", a->output, tf->point_count);
+    return ISO_OK;
 }
 
 iso_status iso_cli_tf_suggest(const iso_tf_arguments *a, iso_error *err)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/validate_options.h"
+#include "cli/validate.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -8,7 +8,6 @@
 
 #include "base/file.h"
 #include "scene/views.h"
-#include "validate/validate.h"
 
 size_t iso_validate_seeds(const iso_validate_arguments *a)
 {

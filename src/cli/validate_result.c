@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "cli/validate_result.h"
+#include "cli/validate.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "cli/cycles_options.h"
 
 iso_status iso_cli_validate_verdict(const iso_validation *v, const iso_report_summary *summary,
                                     const iso_levels_summary *levels, iso_error *err)
@@ -34,8 +33,8 @@ static void print_uncompared(const json_t *row)
     if (is_stage(row))
         printf("not compared: %s: %s\n", name, iso_row_text(row, "why"));
     else
-        printf("not compared: %s, level %lld, %s: %s\n", iso_row_text(row, "scene"),
-               (long long)json_integer_value(json_object_get(row, "level")), name, iso_row_text(row, "why"));
+        printf("not compared: %s, level %lld, %s: %s\n", iso_row_text(row, "scene"), iso_row_level(row), name,
+               iso_row_text(row, "why"));
 }
 
 /* Prints requested comparisons that were skipped, with the reason, whole stages first; the page has all. */

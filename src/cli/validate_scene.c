@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
-#include "cli/validate_scene.h"
+#include "cli/validate.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -10,7 +10,6 @@
 
 #include "base/file.h"
 #include "base/inputs.h"
-#include "base/json.h"
 
 /* Returns the comment of a scene that a file holds, to be freed: a hash of all but the comment. NULL: out of memory. */
 static char *comment_of(const json_t *scene)
@@ -37,7 +36,7 @@ static json_t *as_read(json_t *scene)
 /* The scene file at path, or NULL; its comment, and the comment that an unchanged file has. */
 typedef struct standing {
     json_t *scene;
-    char *wanted;      /* owned */
+    char *wanted; /* owned */
     const char *found;
 } standing;
 

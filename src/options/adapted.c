@@ -132,13 +132,13 @@ static iso_status adapt_view(const iso_cli_adapted *a, const char *path, const i
 {
     iso_adapt_options opt;
     const iso_second_value second = second_value(a);
-    iso_status status = iso_cli_adapt_options(a, threads, &opt, err);
+    NEED(iso_cli_adapt_options(a, threads, &opt, err));
     if (a->extinction_scale)
         opt.fall_back = false;
-    if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE)
-        status = iso_words_check_range("--bits with --tf-2d", a->bits, 8, 12, err);
+    if (second != ISO_SECOND_VALUE_NONE)
+        NEED(iso_words_check_range("--bits with --tf-2d", a->bits, 8, 12, err));
     opt.folder = iso_pyramid_is_one(path) ? path : NULL;
-    return status == ISO_OK ? adapt(a, p, level, second, &opt, view, err) : status;
+    return adapt(a, p, level, second, &opt, view, err);
 }
 
 static iso_status check_together(const iso_cli_adapted *a, iso_error *err)

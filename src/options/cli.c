@@ -537,3 +537,10 @@ void iso_cli_print_json(json_t *root)
     free(text);
     json_decref(root);
 }
+
+void iso_cli_print_results(const iso_cli *cli, json_t *results)
+{
+    json_t *root = iso_cli_json(cli);
+    json_object_update_new(root, results);
+    iso_cli_print_json(root);
+}

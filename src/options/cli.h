@@ -31,7 +31,7 @@ typedef struct iso_command {
     const iso_names *const *lists; /* names that its options choose from, for --help; ends with NULL, or NULL */
     const char *examples;          /* lines that run, each starting with "isoshade" */
     const char *common;            /* options that --help shows, separated by blanks; NULL: all */
-    bool shares_ranks; /* True if the ranks of one job share its work; the others run in a single process */
+    bool shares_ranks;             /* True if the ranks of one job share its work; the others run in a single process */
     bool is_inner;             /* True if another command runs it with words of a file: quiet, without common options */
     const iso_option *options; /* NULL: only those of all commands */
     size_t options_size;       /* bytes of the struct that `options` fills */
@@ -112,6 +112,8 @@ void iso_cli_expect_names(const iso_cli *cli, bool is_volume, const char *const 
 json_t *iso_cli_json(const iso_cli *cli);
 /* Prints the object on stdout, and releases it. */
 void iso_cli_print_json(json_t *root);
+/* Prints that object with the members of `results`, and releases these. */
+void iso_cli_print_results(const iso_cli *cli, json_t *results);
 /* Returns the command line, quoted for a shell, with names as outputs show them (base/provenance.h); to be freed. */
 char *iso_cli_command_line(const iso_cli *cli);
 

@@ -25,26 +25,24 @@ static void draw_repeatedly(const iso_cpu_scene *scene, const iso_render_options
                                                     seconds));
 }
 
+ISO_ENDING(end_scene, iso_cpu_scene, iso_cpu_release)
+
 static iso_status render(const iso_render_request *q, iso_image *image, iso_render_stats *stats, iso_error *err)
 {
     const iso_render_options *opt = q->options;
     const double start = iso_clock_seconds();
     iso_cpu_options o = iso_cpu_defaults();
-    iso_cpu_scene *scene;
+    ENDED_BY(end_scene) iso_cpu_scene *scene = NULL;
     o.source = opt->source;
     o.step_voxels = opt->step_voxels;
     o.threads = opt->threads;
     o.once = opt->once;
-    iso_status status = iso_cpu_prepare(&scene, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o,
-                                        err);
-    TRY(status, iso_image_create(image, q->view->width, q->view->height, err));
-    if (status == ISO_OK) {
-        stats->setup_seconds = iso_clock_seconds() - start;
-        draw_repeatedly(scene, opt, image, stats);
-        stats->bytes = iso_cpu_bytes(scene);
-    }
-    iso_cpu_release(scene);
-    return status;
+    NEED(iso_cpu_prepare(&scene, &q->pyramid->levels[q->level], q->pyramid->options.code, q->view, &o, err));
+    NEED(iso_image_create(image, q->view->width, q->view->height, err));
+    stats->setup_seconds = iso_clock_seconds() - start;
+    draw_repeatedly(scene, opt, image, stats);
+    stats->bytes = iso_cpu_bytes(scene);
+    return ISO_OK;
 }
 
 /* Samples have the reference's positions to 2^-24 of a voxel. A filtered value is off by a float's rounding, 6e-8 of

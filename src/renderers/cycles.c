@@ -9,7 +9,6 @@
 
 #include "base/provenance.h"
 #include "blender/blender.h"
-#include "renderers/blenders.h"
 #include "renderers/renderers.h"
 
 /* Returns the renderer's own Blender; NULL: the one that all of isoshade finds. */
@@ -204,17 +203,15 @@ static iso_status take_first(const char *program, iso_error *err)
 
 iso_status iso_renderers_take_blenders(const char *list, iso_error *err)
 {
-    if (!list)
-        return ISO_OK;
-    char *copy = strdup(list), *rest = copy;
-    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    for (char *program; status == ISO_OK && (program = strsep(&rest, ","));) {
+    FREED char *copy = strdup(list ? list : "");
+    if (!copy)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *program, *rest = copy; list && (program = strsep(&rest, ","));) {
         char found[32];
-        status = *program ? iso_blender_version(program, found, sizeof found, err)
-                          : iso_fail(err, ISO_E_USAGE,
-                                     "--blender \"%s\": a name is empty; separate names by single commas", list);
-        TRY(status, first_command ? add_blender(program, found, err) : take_first(program, err));
+        NEED(*program ? iso_blender_version(program, found, sizeof found, err)
+                      : iso_fail(err, ISO_E_USAGE, "--blender \"%s\": a name is empty; separate names by single commas",
+                                 list));
+        NEED(first_command ? add_blender(program, found, err) : take_first(program, err));
     }
-    free(copy);
-    return status;
+    return ISO_OK;
 }

@@ -156,29 +156,21 @@ static iso_status run(start *s, const char *const *words, const char *last, iso_
 {
     const iso_external *e = s->renderer->data;
     size_t count = 0;
-    char *program = NULL;
+    FREED char *program = NULL;
     while (words[count])
         ++count;
-    const char **argv = calloc(count + 2, sizeof *argv);
-    if (!argv)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    iso_status status = find_program(e, words[0], &program, err);
-    if (status == ISO_OK) {
-        memcpy(argv, words, count * sizeof *argv);
-        argv[0] = program;
-        argv[count] = last;
-        const iso_process_options options = {.directory = s->dir,
-                                             .sandbox = {.kind = e->has_all_rights ? ISO_SANDBOX_NONE
-                                                                                   : ISO_SANDBOX_DEVICE},
-                                             .line = keep_line,
-                                             .user = &s->output,
-                                             .timeout_seconds = e->timeout_seconds,
-                                             .outcome = &s->outcome};
-        status = iso_process_run(argv, &options, err);
-    }
-    free(program);
-    free(argv);
-    return status;
+    FREED const char **argv = calloc(count + 2, sizeof *argv);
+    NEED(argv ? find_program(e, words[0], &program, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    memcpy(argv, words, count * sizeof *argv);
+    argv[0] = program;
+    argv[count] = last;
+    const iso_process_options options = {.directory = s->dir,
+                                         .sandbox = {.kind = e->has_all_rights ? ISO_SANDBOX_NONE : ISO_SANDBOX_DEVICE},
+                                         .line = keep_line,
+                                         .user = &s->output,
+                                         .timeout_seconds = e->timeout_seconds,
+                                         .outcome = &s->outcome};
+    return iso_process_run(argv, &options, err);
 }
 
 iso_status iso_external_version(const iso_renderer_info *self, iso_renderers *r, char *text, size_t size,

@@ -198,9 +198,11 @@ static void get_numbers(iso_json_reader *r, row *to)
 
 static iso_status read_row(row *to, size_t number, iso_error *err)
 {
-    static const char *const keys[] = {"name",  "title",       "command",         "version", "package", "tier",
-                                       "can",   "seeds",       "samples",         "bits",    "half",    "limits",
-                                       "why",   "color",       "step_voxels",     "timeout_seconds",    "sandbox", NULL};
+    static const char *const keys[] = {"name",    "title", "command",     "version",
+                                       "package", "tier",  "can",         "seeds",
+                                       "samples", "bits",  "half",        "limits",
+                                       "why",     "color", "step_voxels", "timeout_seconds",
+                                       "sandbox", NULL};
     static const char *const colors[] = {"#cc79a7", "#56b4e9", "#e69f00", "#8c6d31", "#7b4173", "#637939"};
     char where[1100];
     const char *name = json_string_value(json_object_get(to->json, "name"));
@@ -306,16 +308,13 @@ static iso_status add_rows(const char *path, const char *folder, json_t *root, i
     const char *schema = "";
     iso_json_only_keys(&r, root, "the file", keys);
     iso_json_get_string(&r, root, "schema", true, &schema);
-    json_t *rows = iso_json_get_array(&r, root, "renderers", true), *json;
-    if (r.status == ISO_OK && strcmp(schema, "isoshade.renderers/1") != 0)
-        r.status = iso_fail(err, ISO_E_FORMAT, "%s: \"schema\" is \"%s\", must be \"isoshade.renderers/1\"", path,
-                            schema);
-    iso_status status = r.status;
-    for (size_t i = 0; i < json_array_size(rows) && status == ISO_OK; ++i) {
-        json = json_array_get(rows, i);
-        status = add_row(json, i, path, folder, NULL, err);
-    }
-    return status;
+    json_t *rows = iso_json_get_array(&r, root, "renderers", true);
+    NEED(r.status);
+    if (strcmp(schema, "isoshade.renderers/1") != 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: \"schema\" is \"%s\", must be \"isoshade.renderers/1\"", path, schema);
+    for (size_t i = 0; i < json_array_size(rows); ++i)
+        NEED(add_row(json_array_get(rows, i), i, path, folder, NULL, err));
+    return ISO_OK;
 }
 
 iso_status iso_external_register(json_t *json, const char *path, const char *folder,
@@ -341,12 +340,13 @@ iso_status iso_renderers_load(const char *given, iso_error *err)
     const char *paths = given ? given : getenv(ISO_RENDERERS_VARIABLE);
     if (!paths || !*paths)
         return ISO_OK;
-    char *copy = strdup(paths), *rest = copy;
-    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    for (const char *path; status == ISO_OK && (path = strsep(&rest, ","));)
-        status = load_file(path, err);
-    if (status != ISO_OK && !given)
-        status = iso_fail_in(err, status, "$" ISO_RENDERERS_VARIABLE);
-    free(copy);
-    return status;
+    FREED char *copy = strdup(paths);
+    if (!copy)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *path, *rest = copy; (path = strsep(&rest, ","));) {
+        const iso_status status = load_file(path, err);
+        if (status != ISO_OK)
+            return given ? status : iso_fail_in(err, status, "$" ISO_RENDERERS_VARIABLE);
+    }
+    return ISO_OK;
 }

@@ -135,7 +135,8 @@ static iso_status take_pfm(const char *path, const char *name, size_t channels, 
     if (sscanf(head, "P%c %zu %zu %lf%n", &kind, &width, &height, &scale, &end) != 4 || end == 0)
         status = iso_fail(err, ISO_E_PROGRAM, "%s is damaged: it has no PFM header", name);
     else if (kind != (channels == 1 ? 'f' : 'F'))
-        status = iso_fail(err, ISO_E_PROGRAM, "%s begins with P%c, needs %s", name, kind > ' ' && kind < 127 ? kind : '?',
+        status = iso_fail(err, ISO_E_PROGRAM, "%s begins with P%c, needs %s", name,
+                          kind > ' ' && kind < 127 ? kind : '?',
                           channels == 1 ? "Pf: one channel" : "PF: three channels");
     else if (width != w || height != h)
         status = iso_fail(err, ISO_E_PROGRAM, "%s has %zu x %zu pixels, needs %zu x %zu", name, width, height, w, h);
@@ -147,8 +148,8 @@ static iso_status take_pfm(const char *path, const char *name, size_t channels, 
     const bool swapped = (scale < 0) != (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
     for (size_t i = 0; i < channels * w * h && status == ISO_OK; ++i) {
         const size_t pixel = i / channels, row = h - 1 - pixel / w;
-        image->rgba[4 * (row * w + pixel % w) + first + i % channels] =
-            take_sample(bytes + end + 1 + 4 * i, 4, swapped);
+        image->rgba[4 * (row * w + pixel % w) + first + i % channels] = take_sample(bytes + end + 1 + 4 * i, 4,
+                                                                                    swapped);
     }
     free(bytes);
     return status;
@@ -158,11 +159,12 @@ iso_status iso_picture_load_pfm(const char *path, const char *name, const iso_vi
                                 iso_error *err)
 {
     FREED char *alpha = iso_picture_alpha(path), *alpha_name = iso_picture_alpha(name);
-    iso_status status = alpha && alpha_name ? iso_image_create(image, view->width, view->height, err)
-                                            : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, take_pfm(path, name, 3, 0, image, err));
-    TRY(status, take_pfm(alpha, alpha_name, 1, 3, image, err));
-    if (status != ISO_OK)
-        iso_image_destroy(image);
-    return status;
+    OWNED(iso_image) read = {0};
+    NEED(alpha && alpha_name ? iso_image_create(&read, view->width, view->height, err)
+                             : iso_fail(err, ISO_E_MEMORY, "out of memory"));
+    NEED(take_pfm(path, name, 3, 0, &read, err));
+    NEED(take_pfm(alpha, alpha_name, 1, 3, &read, err));
+    *image = read;
+    read = (iso_image){0};
+    return ISO_OK;
 }

@@ -63,20 +63,17 @@ static const char *differing_key(const json_t *asked, const json_t *there)
 /* Compares a file that is in both folders. A file that was left out to save space counts as the same. */
 static iso_status compare_file(const char *asked, const char *there, const char *file, bool *same, iso_error *err)
 {
-    char *paths[2] = {iso_path_join(asked, file), iso_path_join(there, file)}, *bytes[2] = {NULL, NULL};
-    size_t sizes[2] = {0, 0};
-    iso_status status = paths[0] && paths[1] ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
+    FREED char *a = iso_path_join(asked, file), *b = iso_path_join(there, file), *of_a = NULL, *of_b = NULL;
+    size_t size_a = 0, size_b = 0;
     *same = true;
-    if (status == ISO_OK && iso_path_exists(paths[0]) && iso_path_exists(paths[1])) {
-        for (int i = 0; i < 2 && status == ISO_OK; ++i)
-            status = iso_file_read(paths[i], &bytes[i], &sizes[i], err);
-        *same = status == ISO_OK && sizes[0] == sizes[1] && memcmp(bytes[0], bytes[1], sizes[0]) == 0;
-    }
-    for (int i = 0; i < 2; ++i) {
-        free(paths[i]);
-        free(bytes[i]);
-    }
-    return status;
+    if (!a || !b)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (!iso_path_exists(a) || !iso_path_exists(b))
+        return ISO_OK;
+    NEED(iso_file_read(a, &of_a, &size_a, err));
+    NEED(iso_file_read(b, &of_b, &size_b, err));
+    *same = size_a == size_b && memcmp(of_a, of_b, size_a) == 0;
+    return ISO_OK;
 }
 
 /* Compares the requests of two folders. shown: the folder `there` in messages. */
@@ -86,25 +83,25 @@ static iso_status compare_requests(const char *name, const char *asked, const ch
     static const char *const files[] = {"volume.nrrd", "directions.nrrd"};
     json_auto_t *now = NULL, *then = NULL;
     bool same = true;
-    iso_status status = load_subject(asked, &now, err);
-    TRY(status, load_subject(there, &then, err));
-    const char *key = status == ISO_OK ? differing_key(now, then) : NULL;
+    NEED(load_subject(asked, &now, err));
+    NEED(load_subject(there, &then, err));
+    const char *key = differing_key(now, then);
     if (key)
-        status = iso_fail(err, ISO_E_PROGRAM, "%s: pictures in %s are for another request: its \"%s\" differs", name,
-                          shown, key);
-    for (size_t i = 0; i < sizeof files / sizeof *files && status == ISO_OK; ++i) {
-        status = compare_file(asked, there, files[i], &same, err);
-        if (status == ISO_OK && !same)
-            status = iso_fail(err, ISO_E_PROGRAM, "%s: pictures in %s are for another request: its %s differs", name,
-                              shown, files[i]);
+        return iso_fail(err, ISO_E_PROGRAM, "%s: pictures in %s are for another request: its \"%s\" differs", name,
+                        shown, key);
+    for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
+        NEED(compare_file(asked, there, files[i], &same, err));
+        if (!same)
+            return iso_fail(err, ISO_E_PROGRAM, "%s: pictures in %s are for another request: its %s differs", name,
+                            shown, files[i]);
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Checks the request next to the pictures, if there is one. */
 static iso_status check_request(const pictures *p, const iso_render_request *q, const char *there, iso_error *err)
 {
-    FREED char *json = iso_path_join(there, "request.json"), *dir = NULL;
+    FREED char *json = iso_path_join(there, "request.json");
     const iso_request_frame frame = {.file = "picture.exr"};
     const iso_request request = {.pyramid = q->pyramid,
                                  .level = q->level,
@@ -112,15 +109,13 @@ static iso_status check_request(const pictures *p, const iso_render_request *q, 
                                  .frames = &frame,
                                  .frame_count = 1,
                                  .threads = q->options->threads};
-    iso_status status = json ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK && iso_path_exists(json)) {
-        dir = iso_make_temp_dir();
-        status = dir ? iso_request_write(&request, dir, err) : iso_temp_dir_fail(err);
-        TRY(status, compare_requests(q->options->renderer->name, dir, there, there + p->hidden, err));
-    }
-    if (dir)
-        iso_remove_tree(dir);
-    return status;
+    if (!json)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    if (!iso_path_exists(json))
+        return ISO_OK;
+    ENDED_BY(iso_end_temp_dir) char *dir = iso_make_temp_dir();
+    NEED(dir ? iso_request_write(&request, dir, err) : iso_temp_dir_fail(err));
+    return compare_requests(q->options->renderer->name, dir, there, there + p->hidden, err);
 }
 
 /* Checks the request once for each scene and level. */
@@ -196,8 +191,8 @@ static iso_status version(const iso_renderer_info *self, iso_renderers *r, char 
 /* Makes a row of renderers.json from pictures.json. A folder of pictures has all features. */
 static iso_status make_row(const char *name, const char *index, json_t **row, size_t *steps, iso_error *err)
 {
-    static const char *const keys[] = {"schema", "command", "tier",  "title",    "bits",
-                                       "half",   "limits",  "why",   "steps",    "pictures", NULL},
+    static const char *const keys[] = {"schema", "command", "tier",  "title",    "bits", "half",
+                                       "limits", "why",     "steps", "pictures", NULL},
                              *const kept[] = {"tier", "title", "bits", "half", "limits", "why"};
     json_auto_t *root = NULL;
     const char *schema = "";

@@ -159,8 +159,7 @@ static unsigned traits_of(const iso_pyramid *p, const iso_view *view, bool isosu
     return (isosurface ? ISO_HAS_ISOSURFACES : 0u) | (view->clip_count > 0 ? ISO_HAS_CLIP_PLANES : 0u) |
            (view->tf_2d ? ISO_HAS_2D_TFS : 0u) | (view->extinction_scale ? ISO_HAS_EXTINCTION_SCALES : 0u) |
            (view->roi ? ISO_HAS_ROI : 0u) | (p->levels[0].labels ? ISO_HAS_LABELS : 0u) |
-           (iso_view_is_lit(view) ? ISO_HAS_LIGHTS : 0u) |
-           (view->camera.orthographic ? ISO_HAS_ORTHOGRAPHIC : 0u);
+           (iso_view_is_lit(view) ? ISO_HAS_LIGHTS : 0u) | (view->camera.orthographic ? ISO_HAS_ORTHOGRAPHIC : 0u);
 }
 
 /* Returns the first of these features that the renderer lacks, or NULL. */
@@ -254,28 +253,35 @@ iso_status iso_render_with(const iso_render_request *frame, iso_image *image, do
 
 /* ---- several images ---- */
 
-static iso_status render_several(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
+/* Renders all frames in one start of a program. */
+static iso_status render_in_one_start(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
 {
     iso_render_request one = *q;
-    const iso_render_options *frames = q->options;
-    iso_status status = ISO_OK;
+    NEED(check(q, err));
+    NEED(q->options->renderer->render_several(q, count, images, err));
+    for (size_t i = 0; i < count; ++i) {
+        one.options = &q->options[i];
+        count_picture(q, one.options);
+        NEED(apply_hook(&one, &images[i], err));
+    }
+    return ISO_OK;
+}
+
+static iso_status render_each(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
+{
+    iso_render_request one = *q;
+    for (size_t i = 0; i < count; ++i) {
+        one.options = &q->options[i];
+        NEED(iso_render_with(&one, &images[i], NULL, err));
+    }
+    return ISO_OK;
+}
+
+static iso_status render_several(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
+{
+    const bool is_one_start = count > 0 && q->options->renderer->render_several && !getenv(ISO_RENDERERS_APART);
     memset(images, 0, count * sizeof *images);
-    if (count > 0 && frames[0].renderer->render_several && !getenv(ISO_RENDERERS_APART)) {
-        status = check(q, err);
-        TRY(status, frames[0].renderer->render_several(q, count, images, err));
-        for (size_t i = 0; i < count && status == ISO_OK; ++i) {
-            one.options = &frames[i];
-            count_picture(q, &frames[i]);
-            status = apply_hook(&one, &images[i], err);
-        }
-        for (size_t i = 0; i < count && status != ISO_OK; ++i)
-            iso_image_destroy(&images[i]);
-        return status;
-    }
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
-        one.options = &frames[i];
-        status = iso_render_with(&one, &images[i], NULL, err);
-    }
+    const iso_status status = (is_one_start ? render_in_one_start : render_each)(q, count, images, err);
     for (size_t i = 0; i < count && status != ISO_OK; ++i)
         iso_image_destroy(&images[i]);
     return status;

@@ -146,26 +146,26 @@ typedef struct iso_render_output {
 double iso_half_rounding(double most);
 
 struct iso_renderer_info {
-    const char *name;            /* on command lines and in reports: "gl" */
-    const char *title;           /* for people: "OpenGL ray caster" */
-    const char *stages[4];       /* stages that a render reports (base/progress.h), in order, the longest last; or
+    const char *name;               /* on command lines and in reports: "gl" */
+    const char *title;              /* for people: "OpenGL ray caster" */
+    const char *stages[4];          /* stages that a render reports (base/progress.h), in order, the longest last; or
                                   * none */
-    const char *color;           /* of its marks in charts */
-    unsigned traits;             /* iso_trait */
-    unsigned quadratures;        /* 1 << iso_quadrature of each that it reads */
-    iso_render_options defaults; /* .renderer need not be set */
-    double sample_seconds;       /* about, per sample of a ray: for estimates */
-    double first_step_voxels;    /* start of the search for its limit; 0: derived from the transfer function */
-    size_t max_intervals;        /* of a ray, or of its piece between two planes; 0: it has steps */
-    size_t step_count;           /* steps with pictures, each half of the one before; 0: any step */
-    size_t seeds;                /* of a random one: the fewest that its limit is made of */
+    const char *color;              /* of its marks in charts */
+    unsigned traits;                /* iso_trait */
+    unsigned quadratures;           /* 1 << iso_quadrature of each that it reads */
+    iso_render_options defaults;    /* .renderer need not be set */
+    double sample_seconds;          /* about, per sample of a ray: for estimates */
+    double first_step_voxels;       /* start of the search for its limit; 0: derived from the transfer function */
+    size_t max_intervals;           /* of a ray, or of its piece between two planes; 0: it has steps */
+    size_t step_count;              /* steps with pictures, each half of the one before; 0: any step */
+    size_t seeds;                   /* of a random one: the fewest that its limit is made of */
     const iso_lock_step *lock_step; /* or NULL */
     iso_render_output output;
     const char *const *programs; /* other programs: files and programs that its pictures depend on, each as
                                   * iso_key_add_dependency() takes it; ends with NULL. NULL: none */
     const char *found_in;        /* of a user's program: the renderers.json that names it; or NULL */
 
-    const void *data; /* private to the file that defines it, to distinguish its renderers; or NULL */
+    const void *data;                /* private to the file that defines it, to distinguish its renderers; or NULL */
     const iso_renderer_info *beside; /* another version of the same program, to compare with; or NULL */
     /* Returns the argument of --with that selects it on a command line. NULL: its name. */
     const char *(*asked_by)(const iso_renderer_info *self);
@@ -316,3 +316,10 @@ iso_status iso_render_scenes(const iso_render_request *scenes, size_t count, iso
 void iso_render_stats_add(iso_render_stats *stats, const iso_render_stats *more);
 /* Computes fastest, median and slowest of at least one frame. */
 void iso_render_stats_sum_up(iso_render_stats *stats, const double *seconds, size_t count);
+
+/* Registers the Blenders that Cycles is taken from, a list of paths or names, separated by commas:
+ * "blender,/opt/blender-4.3/blender"; NULL: nothing to do. "cycles" is the installed Blender, or the first of the list.
+ * Each other one is a renderer of its own, such as "cycles-4.3.2"; it is calibrated like "cycles" and also compared with
+ * it. Call it before all others, from one thread. ISO_E_MISSING, ISO_E_PROGRAM: one is not installed, too old, or not
+ * Blender; the message names it. ISO_E_USAGE: too many. */
+iso_status iso_renderers_take_blenders(const char *list, iso_error *err);

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/cpu/caster.h"
+#include "render/gl/raycaster.h"
 #include "renderers/renderers.h"
 
 static const iso_renderer_info *table[ISO_MAX_RENDERERS] = {
@@ -110,17 +112,33 @@ iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERE
     wanted[iso_renderer_index(iso_renderers_reference())] = true;
     if (!list)
         return ISO_OK;
-    char *copy = strdup(list), *rest = copy;
-    iso_status status = copy ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    for (char *name; status == ISO_OK && (name = strsep(&rest, ","));) {
+    FREED char *copy = strdup(list);
+    if (!copy)
+        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    for (char *name, *rest = copy; (name = strsep(&rest, ","));) {
         const iso_renderer_info *r;
-        status = iso_renderer_from_name(name, &r, err);
-        if (status == ISO_OK)
-            wanted[iso_renderer_index(r)] = true;
+        NEED(iso_renderer_from_name(name, &r, err));
+        wanted[iso_renderer_index(r)] = true;
     }
     for (size_t i = 0; i < iso_renderer_count(); ++i)
         if (table[i]->beside)
             wanted[i] = wanted[iso_renderer_index(table[i]->beside)];
-    free(copy);
-    return status;
+    return ISO_OK;
+}
+
+/* ---- the choice between the two ray casters if none was named ---- */
+
+const iso_renderer_info *iso_renderers_instead(void)
+{
+    return &iso_renderer_cpu;
+}
+
+void iso_renderers_choose(const iso_pyramid *p, const iso_view *view, iso_render_options *opt)
+{
+    const iso_renderer_info *cpu = &iso_renderer_cpu;
+    const bool has_all = !opt->isosurface && !opt->shade_table && !opt->exact_lookups &&
+                         opt->quadrature == ISO_QUADRATURE_MIDPOINT && !iso_renderer_lacks(cpu, p, view, false) &&
+                         iso_cpu_takes(&p->levels[0].geometry);
+    if (opt->renderer == iso_renderers_usual() && has_all && iso_gl_is_software())
+        opt->renderer = cpu;
 }

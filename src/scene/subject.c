@@ -18,6 +18,24 @@ iso_status iso_subject_open(void *file, iso_volume_source **source, iso_error *e
     return iso_volume_input_open(f->path, f->input, source, err);
 }
 
+/* Builds the pyramid of a volume, which it destroys. */
+static iso_status build_whole(iso_volume *v, const char *path, const iso_pyramid_options *opt,
+                              const iso_progress *progress, iso_pyramid *p, iso_error *err)
+{
+    iso_pyramid_options own = *opt;
+    if (v->notes.label_count)
+        own.scalar_filter = ISO_SCALAR_MAJORITY;
+    const iso_status status = iso_pyramid_build(v, path, &own, p, progress, err);
+    iso_volume_destroy(v);
+    return status;
+}
+
+/* True if a pyramid can use the samples as they are. */
+static bool keeps_samples(const iso_volume *v)
+{
+    return !v->notes.label_count && iso_type_bytes(v->type) <= sizeof(float);
+}
+
 /* Loads the volume of an open source, which it closes, and builds its pyramid. */
 static iso_status build(iso_volume_source *source, const char *path, const iso_volume_input *input,
                         const iso_pyramid_options *opt, bool begin_only, const iso_progress *progress, iso_pyramid *p,
@@ -25,14 +43,8 @@ static iso_status build(iso_volume_source *source, const char *path, const iso_v
 {
     iso_volume v;
     NEED(iso_volume_input_load_source(source, path, input, &v, err));
-    if (begin_only && !v.notes.label_count && iso_type_bytes(v.type) <= sizeof(float))
-        return iso_pyramid_begin(&v, path, opt, p, err);
-    iso_pyramid_options own = *opt;
-    if (v.notes.label_count)
-        own.scalar_filter = ISO_SCALAR_MAJORITY;
-    iso_status status = iso_pyramid_build(&v, path, &own, p, progress, err);
-    iso_volume_destroy(&v);
-    return status;
+    return begin_only && keeps_samples(&v) ? iso_pyramid_begin(&v, path, opt, p, err)
+                                           : build_whole(&v, path, opt, progress, p, err);
 }
 
 static iso_status load(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt, bool begin_only,
@@ -42,15 +54,13 @@ static iso_status load(const char *path, const iso_volume_input *input, const is
     *p = (iso_pyramid){0};
     if (iso_pyramid_is_one(path))
         return (begin_only ? iso_pyramid_load_begun : iso_pyramid_load)(path, p, err);
-    const iso_status status = iso_volume_input_open(path, input, &source, err);
-    return status == ISO_OK ? build(source, path, input, opt, begin_only, progress, p, err) : status;
+    NEED(iso_volume_input_open(path, input, &source, err));
+    return build(source, path, input, opt, begin_only, progress, p, err);
 }
 
 void iso_subject_coarse_destroy(iso_subject_coarse *coarse)
 {
-    if (coarse->temporary)
-        iso_remove_tree(coarse->temporary);
-    free(coarse->temporary);
+    iso_end_temp_dir(&coarse->temporary);
     free(coarse->folder);
     *coarse = (iso_subject_coarse){0};
 }
@@ -68,10 +78,10 @@ static iso_status build_coarse(const iso_subject_file *file, const iso_pyramid_o
     coarse->folder = coarse->temporary ? iso_path_join(coarse->temporary, "coarse.iso") : NULL;
     if (!coarse->folder)
         return iso_temp_dir_fail(err);
-    iso_status status = iso_volume_input_labels(file->path, file->input, &labels, err);
-    own.scalar_filter = labels ? ISO_SCALAR_MAJORITY : own.scalar_filter;
-    TRY(status, iso_pyramid_stream(&in, &own, &how, coarse->folder, &report, progress, err));
-    return status;
+    NEED(iso_volume_input_labels(file->path, file->input, &labels, err));
+    if (labels)
+        own.scalar_filter = ISO_SCALAR_MAJORITY;
+    return iso_pyramid_stream(&in, &own, &how, coarse->folder, &report, progress, err);
 }
 
 /* Does iso_subject_load_coarse() for a volume. */
@@ -79,9 +89,7 @@ static iso_status load_volume(const iso_subject_file *file, const iso_pyramid_op
                               const iso_progress *progress, iso_pyramid *p, iso_subject_coarse *coarse, iso_error *err)
 {
     iso_volume_source *source;
-    const iso_status status = iso_volume_input_open(file->path, file->input, &source, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_volume_input_open(file->path, file->input, &source, err));
     if ((double)iso_geometry_voxel_count(&iso_source_volume(source)->geometry) <= most)
         return build(source, file->path, file->input, opt, false, progress, p, err);
     iso_source_close(source);
@@ -91,9 +99,7 @@ static iso_status load_volume(const iso_subject_file *file, const iso_pyramid_op
 /* Does iso_subject_load_coarse() for a pyramid on disk. */
 static iso_status load_folder(const char *path, double most, iso_pyramid *p, iso_subject_coarse *coarse, iso_error *err)
 {
-    iso_status status = iso_pyramid_load_outline(path, p, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_pyramid_load_outline(path, p, err));
     const bool is_large = (double)iso_geometry_voxel_count(&p->levels[0].geometry) > most;
     iso_pyramid_destroy(p);
     if (!is_large)
@@ -155,21 +161,17 @@ iso_status iso_subject_parse_image_size(const char *text, size_t *width, size_t 
 
 iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err)
 {
-    iso_scene scene = {0};
+    OWNED(iso_scene) scene = {0};
     iso_viewpoint viewpoint;
     size_t width, height;
-    iso_status status = ISO_OK;
     if (look->scene)
-        status = iso_scene_load(look->scene, &scene, err);
-    iso_scene_destroy(&scene);
-    TRY(status, iso_tf_check_name(look->tf, &look->request, err));
-    if (status == ISO_OK && look->view)
-        status = iso_viewpoint_parse(look->view, &viewpoint, err);
-    if (status == ISO_OK && !(look->zoom == 0 || (look->zoom >= 0.01 && look->zoom <= 1000)))
-        status = iso_fail(err, ISO_E_USAGE, "--zoom is %g, must be .01 to 1000", look->zoom);
-    if (status == ISO_OK && look->size)
-        status = iso_subject_parse_image_size(look->size, &width, &height, err);
-    return status;
+        NEED(iso_scene_load(look->scene, &scene, err));
+    NEED(iso_tf_check_name(look->tf, &look->request, err));
+    if (look->view)
+        NEED(iso_viewpoint_parse(look->view, &viewpoint, err));
+    if (!(look->zoom == 0 || (look->zoom >= 0.01 && look->zoom <= 1000)))
+        return iso_fail(err, ISO_E_USAGE, "--zoom is %g, must be .01 to 1000", look->zoom);
+    return look->size ? iso_subject_parse_image_size(look->size, &width, &height, err) : ISO_OK;
 }
 
 bool iso_subject_look_needs_values(const iso_subject_look *look)
@@ -182,12 +184,11 @@ static iso_status first_scene(const iso_subject_look *look, const iso_geometry *
 {
     size_t width = ISO_SUBJECT_PIXELS, height = ISO_SUBJECT_PIXELS;
     iso_viewpoint viewpoint;
-    iso_status status = iso_viewpoint_parse(look->view ? look->view : iso_viewpoint_usual(g), &viewpoint, err);
-    if (status == ISO_OK && look->size)
-        status = iso_subject_parse_image_size(look->size, &width, &height, err);
-    if (status == ISO_OK)
-        *scene = iso_scene_first(g, &viewpoint, width, height);
-    return status;
+    NEED(iso_viewpoint_parse(look->view ? look->view : iso_viewpoint_usual(g), &viewpoint, err));
+    if (look->size)
+        NEED(iso_subject_parse_image_size(look->size, &width, &height, err));
+    *scene = iso_scene_first(g, &viewpoint, width, height);
+    return ISO_OK;
 }
 
 /* Replaces parts of the scene; the size first, since the camera frames the box in it. */
@@ -204,27 +205,19 @@ static iso_status change_scene(const iso_subject_look *look, const iso_geometry 
 
 static iso_status frame_visible(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err)
 {
-    const iso_level *level0 = &p->levels[0];
-    iso_tf_table table = {0};
-    iso_status status = iso_tf_tabulate(&scene->tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &level0->geometry, &table,
-                                        err);
-    TRY(status, iso_scene_frame_visible(scene, iso_pyramid_finest(p), &table, look->threads, look->visible, err));
-    iso_tf_table_destroy(&table);
-    return status;
+    OWNED(iso_tf_table) table = {0};
+    NEED(iso_tf_tabulate(&scene->tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, &table, err));
+    return iso_scene_frame_visible(scene, iso_pyramid_finest(p), &table, look->threads, look->visible, err);
 }
 
 /* Chooses the transfer function by the finest level that is loaded; its lengths are those of level 0. */
 static iso_status choose_tf(const iso_subject_look *look, const iso_pyramid *p, iso_tf *tf, iso_error *err)
 {
     const iso_level *level0 = &p->levels[0], *seen = iso_pyramid_finest(p);
-    iso_survey *survey = NULL;
-    iso_status status = ISO_OK;
+    FREED iso_survey *survey = NULL;
     if (!look->survey && seen != level0 && iso_subject_look_needs_values(look))
-        status = iso_survey_make(seen, look->threads, &survey, err);
-    TRY(status,
-        iso_tf_of_level(look->tf, &look->request, survey ? survey : look->survey, level0, look->threads, tf, err));
-    free(survey);
-    return status;
+        NEED(iso_survey_make(seen, look->threads, &survey, err));
+    return iso_tf_of_level(look->tf, &look->request, survey ? survey : look->survey, level0, look->threads, tf, err);
 }
 
 iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err)
@@ -250,11 +243,56 @@ iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyrami
 
 iso_status iso_subject_make_view(const iso_subject_look *look, const iso_pyramid *p, iso_view *view, iso_error *err)
 {
-    const iso_level *level0 = &p->levels[0];
-    iso_scene scene;
+    OWNED(iso_scene) scene = {0};
     *view = (iso_view){0};
-    iso_status status = iso_subject_make_scene(look, p, &scene, err);
-    TRY(status, iso_scene_resolve(&scene, &level0->geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err));
-    iso_scene_destroy(&scene);
-    return status;
+    NEED(iso_subject_make_scene(look, p, &scene, err));
+    return iso_scene_resolve(&scene, &p->levels[0].geometry, iso_pyramid_lo(p), iso_pyramid_hi(p), view, err);
+}
+
+/* ---- with a narrow pyramid ---- */
+
+static iso_status see(const iso_subject_look *look, const iso_pyramid *p, iso_subject_sight *sight, iso_error *err)
+{
+    if (!look)
+        return ISO_OK;
+    NEED(iso_subject_make_view(look, p, &sight->view, err));
+    sight->visible = iso_visible_measure(&p->levels[0], &sight->view, NULL, look->threads);
+    return ISO_OK;
+}
+
+/* Makes the view with a pyramid of one level whose scalars are the volume's samples. */
+static iso_status see_volume(const iso_subject_look *look, const iso_volume *v, const char *path,
+                             const iso_pyramid_options *opt, iso_subject_sight *sight, iso_error *err)
+{
+    if (!look)
+        return ISO_OK;
+    const iso_volume_stats stats = iso_volume_measure(v);
+    iso_level level = {
+        .geometry = v->geometry, .stored_type = v->type, .samples = v, .min = stats.min, .max = stats.max};
+    const iso_pyramid p = {.options = *opt,
+                           .source = (char *)path,
+                           .unit = iso_pyramid_unit_of(&v->notes),
+                           .level_count = 1,
+                           .levels = &level};
+    return see(look, &p, sight, err);
+}
+
+iso_status iso_subject_load_narrow(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
+                                   const iso_subject_look *look, const iso_progress *progress, iso_pyramid *p,
+                                   iso_volume *v, iso_subject_sight *sight, iso_error *err)
+{
+    *p = (iso_pyramid){0};
+    *v = (iso_volume){0};
+    *sight = (iso_subject_sight){0};
+    if (iso_pyramid_is_one(path)) {
+        NEED(iso_pyramid_load(path, p, err));
+        return see(look, p, sight, err);
+    }
+    NEED(iso_volume_input_load(path, input, v, err));
+    if (!keeps_samples(v)) {
+        NEED(build_whole(v, path, opt, progress, p, err));
+        return see(look, p, sight, err);
+    }
+    NEED(see_volume(look, v, path, opt, sight, err));
+    return iso_pyramid_build_narrow(v, path, opt, p, progress, err);
 }

@@ -6,6 +6,7 @@
 #include "pyramid/pyramid.h"
 #include "scene/scene.h"
 #include "scene/viewpoint.h"
+#include "scene/visible.h"
 #include "tf/survey.h"
 
 /* Pixels of a first picture along each side. */
@@ -60,6 +61,21 @@ iso_status iso_subject_check_look(const iso_subject_look *look, iso_error *err);
 /* Makes the scene for a pyramid; if it needs values, a level needs its scalar. */
 iso_status iso_subject_make_scene(const iso_subject_look *look, const iso_pyramid *p, iso_scene *scene, iso_error *err);
 iso_status iso_subject_make_view(const iso_subject_look *look, const iso_pyramid *p, iso_view *view, iso_error *err);
+
+/* The view, and the measured visible parts. */
+typedef struct iso_subject_sight {
+    iso_view view;
+    iso_visible visible;
+} iso_subject_sight;
+
+/* Loads a narrow pyramid (pyramid/narrow.h) and makes the view, for exports. Level 0 is never in memory as floats and
+ * as directions at once: it is in floats while the view is made, then in directions next to the samples in the file's
+ * type. So 512 x 512 x 512 bytes take .67 GB instead of 1.1. look: NULL for no view; then *sight stays empty. If the
+ * pyramid has no level 0 scalars, the volume has them and must be destroyed after the pyramid. The volume is empty if a
+ * pyramid's folder, labels or samples wider than a float were loaded as a whole. */
+iso_status iso_subject_load_narrow(const char *path, const iso_volume_input *input, const iso_pyramid_options *opt,
+                                   const iso_subject_look *look, const iso_progress *progress, iso_pyramid *p,
+                                   iso_volume *v, iso_subject_sight *sight, iso_error *err);
 
 /* Parses "320x200", or one number for both, as given to --size. */
 iso_status iso_subject_parse_image_size(const char *text, size_t *width, size_t *height, iso_error *err);

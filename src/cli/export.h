@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* export_options.h - checks the options of `isoshade export` with each other and with the target. */
+/* export.h - arguments of `isoshade export`, and the export of several volumes in one scene. */
 #pragma once
 
 #include "cli/cycles_options.h"
@@ -28,12 +28,7 @@ typedef struct iso_export_arguments {
     const iso_cli *cli;
 } iso_export_arguments;
 
-/* True if a plan is written as one grid, instead of one per level. */
-bool iso_export_wants_merged(const iso_export_arguments *a);
-
-/* True if a transfer function is given that decides which voxels the grids hold; grids themselves need none. */
-bool iso_export_is_shown(const iso_export_arguments *a, const iso_export_target *target);
-
-/* Finds the target, and checks the options before the work. ISO_E_USAGE, ISO_E_RANGE: options that exclude each other
- * or have no effect; ISO_E_IO: a file was changed by hand. */
-iso_status iso_export_check(iso_export_arguments *a, const iso_export_target **target, iso_error *err);
+/* Exports the channels of a file, or the file and the volumes of --add. Options for the input apply to the first
+ * volume. look: of the scene. ISO_E_USAGE: the target takes a single volume. */
+iso_status iso_export_several_volumes(const iso_export_arguments *a, const iso_export_target *target,
+                                      const iso_subject_look *look, iso_error *err);
