@@ -172,23 +172,20 @@ static iso_status add_path(grid *g, const iso_tf_node *from, const iso_tf_node *
 
 iso_status iso_ciede2000_expand(iso_tf_curve *color, const char *path, iso_error *err)
 {
-    iso_tf_curve expanded = {0};
-    grid *g = make_grid();
-    iso_status status = g ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    OWNED(iso_tf_curves) paths = {0};
+    FREED grid *g = make_grid();
+    if (!g)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
     iso_tf_curve_sort(color);
-    for (size_t i = 0; i < color->count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < color->count; ++i) {
         /* Grid colors between the nodes; the first and the last node keep the file's colors. */
         if (i == 0 || i + 1 == color->count)
-            status = iso_tf_curve_add(&expanded, color->nodes[i], 3, path, err);
-        if (status == ISO_OK && i + 1 < color->count && color->nodes[i + 1].x > color->nodes[i].x)
-            status = add_path(g, &color->nodes[i], &color->nodes[i + 1], &expanded, path, err);
+            NEED(iso_tf_curve_add(&paths.color, color->nodes[i], 3, path, err));
+        if (i + 1 < color->count && color->nodes[i + 1].x > color->nodes[i].x)
+            NEED(add_path(g, &color->nodes[i], &color->nodes[i + 1], &paths.color, path, err));
     }
-    free(g);
-    if (status != ISO_OK) {
-        free(expanded.nodes);
-        return status;
-    }
-    free(color->nodes);
-    *color = expanded;
+    const iso_tf_curve before = *color;
+    *color = paths.color;
+    paths.color = before;
     return ISO_OK;
 }

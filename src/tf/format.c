@@ -224,17 +224,15 @@ static iso_status set_opacity(const iso_tf_file *file, iso_tf_curves *c, iso_err
 
 iso_status iso_tf_take_curves(const iso_tf_file *file, iso_tf_curves *curves, iso_tf *tf, iso_error *err)
 {
-    iso_status status = curves->color.count ? ISO_OK
-                                            : iso_fail(err, ISO_E_FORMAT, "%s: has no points of color", file->path);
-    if (status == ISO_OK) {
-        iso_tf_curve_sort(&curves->color);
-        iso_tf_curve_sort(&curves->opacity);
-        status = set_opacity(file, curves, err);
-    }
-    TRY(status, set_unit(file, curves, err));
-    TRY(status, iso_tf_resample(curves, file->path, tf, err));
-    if (status == ISO_OK && file->request->measure && (status = iso_tf_measure_loss(curves, tf, err)) != ISO_OK)
+    if (curves->color.count == 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: has no points of color", file->path);
+    iso_tf_curve_sort(&curves->color);
+    iso_tf_curve_sort(&curves->opacity);
+    NEED(set_opacity(file, curves, err));
+    NEED(set_unit(file, curves, err));
+    NEED(iso_tf_resample(curves, file->path, tf, err));
+    const iso_status status = file->request->measure ? iso_tf_measure_loss(curves, tf, err) : ISO_OK;
+    if (status != ISO_OK)
         iso_tf_destroy(tf);
-    iso_tf_curves_destroy(curves);
     return status;
 }

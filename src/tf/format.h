@@ -74,5 +74,5 @@ bool iso_tf_file_has(const iso_tf_file *file, const char *text);
 iso_status iso_tf_choose(const iso_tf_file *file, const char *what, const char *const *names, size_t count,
                          size_t *chosen, iso_error *err);
 
-/* Resamples the curves to a TF according to the file's request. Destroys `curves` also on failure. */
+/* Resamples the curves to a TF according to the file's request, and completes them by it. */
 iso_status iso_tf_take_curves(const iso_tf_file *file, iso_tf_curves *curves, iso_tf *tf, iso_error *err);

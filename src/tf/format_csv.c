@@ -164,31 +164,30 @@ static iso_status read_lines(csv *c, iso_error *err)
 /* Reads our own format: linear color and extinction at even distances. */
 static iso_status take_own(const csv *c, iso_tf *tf, iso_error *err)
 {
-    iso_tf_table t = {.count = c->rows,
-                      .lo = c->row[0][VALUE],
-                      .hi = c->row[c->rows - 1][VALUE],
-                      .entries = malloc(4 * c->rows * sizeof(float))};
-    iso_status status = t.entries ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", c->file->path);
-    if (status == ISO_OK && (!c->has[VALUE] || !(t.hi > t.lo) || t.count > 4096))
-        status = iso_fail(err, ISO_E_RANGE, "%s: values must rise over at most 4096 lines", c->file->path);
-    if (status == ISO_OK && !(t.lo >= -ISO_TF_MOST_VALUE && t.hi <= ISO_TF_MOST_VALUE))
-        status = iso_fail(err, ISO_E_RANGE, "%s: values are %g to %g, must be %g to %g", c->file->path, t.lo, t.hi,
-                          -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE);
-    for (size_t i = 0; i < t.count && status == ISO_OK; ++i) {
+    OWNED(iso_tf_table) t = {.count = c->rows,
+                             .lo = c->row[0][VALUE],
+                             .hi = c->row[c->rows - 1][VALUE],
+                             .entries = malloc(4 * c->rows * sizeof(float))};
+    if (!t.entries)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", c->file->path);
+    if (!c->has[VALUE] || !(t.hi > t.lo) || t.count > 4096)
+        return iso_fail(err, ISO_E_RANGE, "%s: values must rise over at most 4096 lines", c->file->path);
+    if (!(t.lo >= -ISO_TF_MOST_VALUE && t.hi <= ISO_TF_MOST_VALUE))
+        return iso_fail(err, ISO_E_RANGE, "%s: values are %g to %g, must be %g to %g", c->file->path, t.lo, t.hi,
+                        -ISO_TF_MOST_VALUE, ISO_TF_MOST_VALUE);
+    for (size_t i = 0; i < t.count; ++i) {
         const double *v = c->row[i];
         const double even = t.lo + (t.hi - t.lo) * (double)i / (double)(t.count - 1);
         if (!(fabs(v[VALUE] - even) <= 1e-6 * (t.hi - t.lo)) ||
             !(v[EXTINCTION] >= 0 && v[EXTINCTION] <= ISO_TF_MOST_EXTINCTION))
-            status = iso_fail(err, ISO_E_RANGE,
-                              "%s: line %zu of numbers: values must be evenly spaced, the extinction 0 to %g per mm",
-                              c->file->path, i + 1, ISO_TF_MOST_EXTINCTION);
+            return iso_fail(err, ISO_E_RANGE,
+                            "%s: line %zu of numbers: values must be evenly spaced, the extinction 0 to %g per mm",
+                            c->file->path, i + 1, ISO_TF_MOST_EXTINCTION);
         for (int k = 0; k < 3; ++k)
             t.entries[4 * i + (size_t)k] = (float)fmin(fmax(v[RED + k], 0), 1);
         t.entries[4 * i + 3] = (float)v[EXTINCTION];
     }
-    TRY(status, iso_tf_from_table(&t, tf, err));
-    iso_tf_table_destroy(&t);
-    return status;
+    return iso_tf_from_table(&t, tf, err);
 }
 
 /* Returns 1/255 for whole numbers of which one exceeds 1: these are bytes. */
@@ -208,30 +207,25 @@ static iso_status take_display_colors(const csv *c, iso_tf *tf, iso_error *err)
 {
     const double color_scale = scale_of(c, RED, BLUE), opacity_scale = scale_of(c, OPACITY, OPACITY);
     const double first = c->row[0][VALUE], last = c->row[c->rows - 1][VALUE];
-    iso_tf_curves curves = {.are_fractions = !c->has[VALUE] || (first == 0 && last == 1)};
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < c->rows && status == ISO_OK; ++i) {
+    OWNED(iso_tf_curves) curves = {.are_fractions = !c->has[VALUE] || (first == 0 && last == 1)};
+    for (size_t i = 0; i < c->rows; ++i) {
         const double *v = c->row[i], x = c->has[VALUE] ? v[VALUE] : (double)i / (double)(c->rows - 1);
         const double rgb[3] = {v[RED] / color_scale, v[GREEN] / color_scale, v[BLUE] / color_scale};
-        status = iso_tf_curve_add_color(&curves.color, x, rgb, c->file->path, err);
-        if (status == ISO_OK && c->has[OPACITY])
-            status = iso_tf_curve_add_opacity(&curves.opacity, x, v[OPACITY] / opacity_scale, c->file->path, err);
+        NEED(iso_tf_curve_add_color(&curves.color, x, rgb, c->file->path, err));
+        if (c->has[OPACITY])
+            NEED(iso_tf_curve_add_opacity(&curves.opacity, x, v[OPACITY] / opacity_scale, c->file->path, err));
     }
-    if (status == ISO_OK)
-        return iso_tf_take_curves(c->file, &curves, tf, err);
-    iso_tf_curves_destroy(&curves);
-    return status;
+    return iso_tf_take_curves(c->file, &curves, tf, err);
 }
 
 static iso_status load_csv(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
-    csv c = {.file = file, .row = calloc(MOST_ROWS, sizeof *c.row)};
-    if (!c.row)
+    FREED double(*rows)[ROLES] = calloc(MOST_ROWS, sizeof *rows);
+    csv c = {.file = file, .row = rows};
+    if (!rows)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
-    iso_status status = read_lines(&c, err);
-    TRY(status, c.own ? take_own(&c, tf, err) : take_display_colors(&c, tf, err));
-    free(c.row);
-    return status;
+    NEED(read_lines(&c, err));
+    return c.own ? take_own(&c, tf, err) : take_display_colors(&c, tf, err);
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */

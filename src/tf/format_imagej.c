@@ -72,16 +72,13 @@ static iso_status read_colors(const iso_tf_file *file, unsigned char (*rgb)[3], 
 static iso_status load_imagej(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
     unsigned char rgb[ENTRIES][3] = {{0}};
-    iso_tf_curves curves = {.are_fractions = true, .unit_is = "as ImageJ has no opacities"};
-    iso_status status = read_colors(file, rgb, err);
-    for (int i = 0; i < ENTRIES && status == ISO_OK; ++i)
-        status = iso_tf_curve_add_color(&curves.color, i / (ENTRIES - 1.0),
-                                        (double[]){rgb[i][0] / 255.0, rgb[i][1] / 255.0, rgb[i][2] / 255.0}, file->path,
-                                        err);
-    if (status == ISO_OK)
-        return iso_tf_take_curves(file, &curves, tf, err);
-    iso_tf_curves_destroy(&curves);
-    return status;
+    OWNED(iso_tf_curves) curves = {.are_fractions = true, .unit_is = "as ImageJ has no opacities"};
+    NEED(read_colors(file, rgb, err));
+    for (int i = 0; i < ENTRIES; ++i)
+        NEED(iso_tf_curve_add_color(&curves.color, i / (ENTRIES - 1.0),
+                                    (double[]){rgb[i][0] / 255.0, rgb[i][1] / 255.0, rgb[i][2] / 255.0}, file->path,
+                                    err));
+    return iso_tf_take_curves(file, &curves, tf, err);
 }
 
 const iso_tf_format iso_tf_format_imagej = {

@@ -17,11 +17,11 @@ static iso_status read_point(const iso_tf_file *file, const xmlNode *point, iso_
         return iso_fail(err, ISO_E_FORMAT, "%s:%ld: a point has no <%s>", file->path, xmlGetLineNo((xmlNode *)point),
                         pos ? "rgba" : "pos");
     const bool newer = xmlHasProp((xmlNode *)pos, (const xmlChar *)"content");
-    iso_status status = iso_xml_number(file, pos, newer ? "content" : "x", iso_xml_fraction, &x, err);
-    for (int k = 0; k < 4 && status == ISO_OK; ++k)
-        status = iso_xml_number(file, rgba, attributes[k], iso_xml_fraction, &color[k], err);
-    TRY(status, iso_tf_curve_add_color(&c->color, x, color, file->path, err));
-    return status == ISO_OK ? iso_tf_curve_add_opacity(&c->opacity, x, color[3], file->path, err) : status;
+    NEED(iso_xml_number(file, pos, newer ? "content" : "x", iso_xml_fraction, &x, err));
+    for (int k = 0; k < 4; ++k)
+        NEED(iso_xml_number(file, rgba, attributes[k], iso_xml_fraction, &color[k], err));
+    NEED(iso_tf_curve_add_color(&c->color, x, color, file->path, err));
+    return iso_tf_curve_add_opacity(&c->opacity, x, color[3], file->path, err);
 }
 
 /* Refuses masks other than the whole range: values outside a mask are invisible. */
@@ -49,21 +49,16 @@ static iso_status read_points(const iso_tf_file *file, const xmlNode *root, iso_
 
 static iso_status load_inviwo(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
-    xmlDocPtr doc;
-    iso_tf_curves curves = {.are_fractions = true, .unit_is = "in Inviwo a 150th of the volume's longest side"};
-    iso_status status = iso_xml_parse(file, &doc, err);
-    if (status != ISO_OK)
-        return status;
+    ENDED_BY(iso_xml_free_doc) xmlDocPtr doc = NULL;
+    OWNED(iso_tf_curves)
+    curves = {.are_fractions = true, .unit_is = "in Inviwo a 150th of the volume's longest side"};
+    NEED(iso_xml_parse(file, &doc, err));
     const xmlNode *root = xmlDocGetRootElement(doc);
     if (!iso_xml_is(root, "InviwoTreeData") && !iso_xml_is(root, "InviwoWorkspace"))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: is <%.40s>, must be <InviwoTreeData> or <InviwoWorkspace>", file->path,
-                          (const char *)root->name);
-    TRY(status, read_points(file, root, &curves, err));
-    xmlFreeDoc(doc);
-    if (status == ISO_OK)
-        return iso_tf_take_curves(file, &curves, tf, err);
-    iso_tf_curves_destroy(&curves);
-    return status;
+        return iso_fail(err, ISO_E_FORMAT, "%s: is <%.40s>, must be <InviwoTreeData> or <InviwoWorkspace>", file->path,
+                        (const char *)root->name);
+    NEED(read_points(file, root, &curves, err));
+    return iso_tf_take_curves(file, &curves, tf, err);
 }
 
 const iso_tf_format iso_tf_format_inviwo = {

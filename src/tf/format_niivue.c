@@ -55,24 +55,17 @@ static void read_lists(iso_json_reader *r, const json_t *root, bytes *b, iso_tf_
 static iso_status load_niivue(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
     json_auto_t *root = NULL;
-    iso_tf_curves curves = {.unit_mm = 1, .unit_is_voxel = true, .unit_is_default = true};
-    iso_status status = iso_json_parse(file->path, file->text, file->size, &root, err);
-    if (status != ISO_OK)
-        return status;
+    OWNED(iso_tf_curves) curves = {.unit_mm = 1, .unit_is_voxel = true, .unit_is_default = true};
+    NEED(iso_json_parse(file->path, file->text, file->size, &root, err));
     iso_json_reader r = {.path = file->path, .err = err};
-    bytes *b = malloc(sizeof *b);
+    FREED bytes *b = malloc(sizeof *b);
     if (!b)
-        r.status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
-    else if (json_object_get(root, "labels"))
-        r.status = iso_fail(err, ISO_E_FORMAT, "%s: is a map of labels (\"labels\"), must be one of values",
-                            file->path);
-    else
-        read_lists(&r, root, b, &curves);
-    free(b);
-    if (r.status == ISO_OK)
-        return iso_tf_take_curves(file, &curves, tf, err);
-    iso_tf_curves_destroy(&curves);
-    return r.status;
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
+    if (json_object_get(root, "labels"))
+        return iso_fail(err, ISO_E_FORMAT, "%s: is a map of labels (\"labels\"), must be one of values", file->path);
+    read_lists(&r, root, b, &curves);
+    NEED(r.status);
+    return iso_tf_take_curves(file, &curves, tf, err);
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
@@ -86,7 +79,7 @@ static iso_status save_niivue(const iso_tf_output *output, const char *path, iso
 {
     const iso_tf_table *table = output->table;
     const double unit_mm = output->unit_mm;
-    iso_tf_curves c = {0};
+    OWNED(iso_tf_curves) c = {0};
     NEED(iso_tf_reduce(table, unit_mm, 256, 0.5 / 255, &c, err));
     json_t *lists[5];
     for (int k = 0; k < 5; ++k)
@@ -98,12 +91,9 @@ static iso_status save_niivue(const iso_tf_output *output, const char *path, iso
         json_array_append_new(lists[3], byte_of(c.opacity.nodes[i].y[0]));
         json_array_append_new(lists[4], byte_of((color->x - table->lo) / (table->hi - table->lo)));
     }
-    json_t *root = json_pack("{s:f, s:f, s:o, s:o, s:o, s:o, s:o}", "min", table->lo, "max", table->hi, "R", lists[0],
+    json_auto_t *root = json_pack("{s:f, s:f, s:o, s:o, s:o, s:o, s:o}", "min", table->lo, "max", table->hi, "R", lists[0],
                              "G", lists[1], "B", lists[2], "A", lists[3], "I", lists[4]);
-    iso_status status = iso_json_save(path, root, err);
-    json_decref(root);
-    iso_tf_curves_destroy(&c);
-    return status;
+    return iso_json_save(path, root, err);
 }
 
 const iso_tf_format iso_tf_format_niivue = {

@@ -111,7 +111,6 @@ static bool is_on(const json_t *map, const char *key)
 
 static iso_status read_map(const iso_tf_file *file, const json_t *map, iso_tf_curves *c, iso_error *err)
 {
-    const json_t *space = json_object_get(map, "ColorSpace");
     const char *name = json_string_value(json_object_get(map, "Name"));
     if (!json_object_get(map, "RGBPoints") && json_object_get(map, "IndexedColors"))
         return iso_fail(err, ISO_E_FORMAT,
@@ -120,22 +119,22 @@ static iso_status read_map(const iso_tf_file *file, const json_t *map, iso_tf_cu
     if (is_on(map, "UseLogScale"))
         return iso_fail(err, ISO_E_FORMAT, "%s: \"UseLogScale\" is not supported, only colors of values as they are",
                         file->path);
-    iso_status status = iso_paraview_space(json_is_string(space) ? json_string_value(space) : "", file->path, &c->space,
-                                           err);
-    if (status == ISO_OK && c->space == ISO_SPACE_HSV && is_on(map, "HSVWrap"))
+    const char *space = json_string_value(json_object_get(map, "ColorSpace"));
+    NEED(iso_paraview_space(space ? space : "", file->path, &c->space, err));
+    if (c->space == ISO_SPACE_HSV && is_on(map, "HSVWrap"))
         c->space = ISO_SPACE_WRAPPED;
-    TRY(status, read_nodes(file, map, "RGBPoints", &c->color, err));
-    if (status == ISO_OK && json_is_string(space) && iso_paraview_is_ciede2000(json_string_value(space)))
-        status = iso_ciede2000_expand(&c->color, file->path, err);
-    TRY(status, read_nodes(file, map, "Points", &c->opacity, err));
+    NEED(read_nodes(file, map, "RGBPoints", &c->color, err));
+    if (iso_paraview_is_ciede2000(space))
+        NEED(iso_ciede2000_expand(&c->color, file->path, err));
+    NEED(read_nodes(file, map, "Points", &c->opacity, err));
     iso_paraview_fit(c);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status choose_map(const iso_tf_file *file, const json_t *root, const json_t **map, iso_error *err)
 {
     const size_t count = json_is_array(root) ? json_array_size(root) : 1;
-    const char **names = malloc((count + 1) * sizeof *names);
+    FREED const char **names = malloc((count + 1) * sizeof *names);
     size_t chosen = 0;
     if (!names)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
@@ -145,7 +144,6 @@ static iso_status choose_map(const iso_tf_file *file, const json_t *root, const 
         names[i] = name ? name : "";
     }
     iso_status status = iso_tf_choose(file, "color map", names, count, &chosen, err);
-    free(names);
     *map = json_is_array(root) ? json_array_get(root, chosen) : root;
     return status;
 }
@@ -153,21 +151,17 @@ static iso_status choose_map(const iso_tf_file *file, const json_t *root, const 
 static iso_status load_paraview(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
     json_error_t where;
-    iso_tf_curves curves = {0};
+    OWNED(iso_tf_curves) curves = {0};
     const json_t *map = NULL;
-    char *text = without_last_commas(file);
+    FREED char *text = without_last_commas(file);
     json_auto_t *root = text ? json_loads(text, 0, &where) : NULL;
     if (!text)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
-    free(text);
     if (!root)
         return iso_fail(err, ISO_E_FORMAT, "%s:%d:%d: not JSON: %s", file->path, where.line, where.column, where.text);
-    iso_status status = choose_map(file, root, &map, err);
-    TRY(status, read_map(file, map, &curves, err));
-    if (status == ISO_OK)
-        return iso_tf_take_curves(file, &curves, tf, err);
-    iso_tf_curves_destroy(&curves);
-    return status;
+    NEED(choose_map(file, root, &map, err));
+    NEED(read_map(file, map, &curves, err));
+    return iso_tf_take_curves(file, &curves, tf, err);
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */

@@ -29,10 +29,8 @@ static iso_status read_point(const iso_tf_file *file, const xmlNode *node, iso_t
 /* True if the attribute is "true" or a number other than 0. */
 static bool is_true(const xmlNode *node, const char *attribute)
 {
-    char *text = iso_xml_text(node, attribute);
-    const bool yes = text && (strcmp(text, "true") == 0 || atoi(text) != 0);
-    xmlFree(text);
-    return yes;
+    ENDED_BY(iso_xml_free_text) char *text = iso_xml_text(node, attribute);
+    return text && (strcmp(text, "true") == 0 || atoi(text) != 0);
 }
 
 /* True if an opacity differs from 1. If all are 1, ParaView keeps its own opacities, so the user has to give them. */
@@ -48,56 +46,29 @@ static bool has_opacities(const iso_tf_file *file, const xmlNode *map)
 
 static iso_status read_map(const iso_tf_file *file, const xmlNode *map, iso_tf_curves *c, iso_error *err)
 {
-    char *space = iso_xml_text(map, "space");
-    iso_status status = iso_paraview_space(space ? space : "RGB", file->path, &c->space, err);
-    const bool opacities = has_opacities(file, map), is_ciede2000 = space && iso_paraview_is_ciede2000(space);
-    xmlFree(space);
-    if (status == ISO_OK && is_true(map, "indexedLookup"))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: has colors of categories (\"indexedLookup\"), not of values",
-                          file->path);
-    for (const xmlNode *p = iso_xml_child(map, "Point"); p && status == ISO_OK; p = iso_xml_next(map, p, "Point"))
-        status = read_point(file, p, c, opacities, err);
-    if (status == ISO_OK && is_ciede2000)
-        status = iso_ciede2000_expand(&c->color, file->path, err);
+    ENDED_BY(iso_xml_free_text) char *space = iso_xml_text(map, "space");
+    const bool opacities = has_opacities(file, map);
+    NEED(iso_paraview_space(space ? space : "RGB", file->path, &c->space, err));
+    if (is_true(map, "indexedLookup"))
+        return iso_fail(err, ISO_E_FORMAT, "%s: has colors of categories (\"indexedLookup\"), not of values",
+                        file->path);
+    for (const xmlNode *p = iso_xml_child(map, "Point"); p; p = iso_xml_next(map, p, "Point"))
+        NEED(read_point(file, p, c, opacities, err));
+    if (space && iso_paraview_is_ciede2000(space))
+        NEED(iso_ciede2000_expand(&c->color, file->path, err));
     iso_paraview_fit(c);
-    return status;
-}
-
-enum { MOST_MAPS = 1024 };
-
-static iso_status choose_map(const iso_tf_file *file, const xmlNode *root, const xmlNode **map, iso_error *err)
-{
-    const xmlNode *nodes[MOST_MAPS] = {0};
-    char *names[MOST_MAPS];
-    size_t count = 0, chosen = 0;
-    const xmlNode *node = iso_xml_is(root, "ColorMap") ? root : iso_xml_next(root, root, "ColorMap");
-    for (; node && count < MOST_MAPS; node = iso_xml_next(root, node, "ColorMap")) {
-        nodes[count] = node;
-        names[count] = iso_xml_text(node, "name");
-        if (!names[count])
-            names[count] = (char *)xmlStrdup((const xmlChar *)"");
-        ++count;
-    }
-    iso_status status = iso_tf_choose(file, "color map", (const char *const *)names, count, &chosen, err);
-    *map = status == ISO_OK ? nodes[chosen] : NULL;
-    for (size_t i = 0; i < count; ++i)
-        xmlFree(names[i]);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status load_color_map(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
-    xmlDocPtr doc;
-    iso_tf_curves curves = {0};
+    ENDED_BY(iso_xml_free_doc) xmlDocPtr doc = NULL;
+    OWNED(iso_tf_curves) curves = {0};
     const xmlNode *map;
     NEED(iso_xml_parse(file, &doc, err));
-    iso_status status = choose_map(file, xmlDocGetRootElement(doc), &map, err);
-    TRY(status, read_map(file, map, &curves, err));
-    xmlFreeDoc(doc);
-    if (status == ISO_OK)
-        return iso_tf_take_curves(file, &curves, tf, err);
-    iso_tf_curves_destroy(&curves);
-    return status;
+    NEED(iso_xml_choose(file, xmlDocGetRootElement(doc), "ColorMap", "color map", &map, err));
+    NEED(read_map(file, map, &curves, err));
+    return iso_tf_take_curves(file, &curves, tf, err);
 }
 
 const iso_tf_format iso_tf_format_paraview_xml = {

@@ -95,14 +95,13 @@ static size_t list_components(iso_json_reader *r, const json_t *properties, json
 
 static iso_status load_slicer(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
-    json_t *root, *components[MOST_COMPONENTS];
+    json_auto_t *root = NULL;
+    json_t *components[MOST_COMPONENTS];
     char names[MOST_COMPONENTS][NAME_SIZE];
     const char *list[MOST_COMPONENTS];
-    iso_tf_curves curves = {0};
+    OWNED(iso_tf_curves) curves = {0};
     size_t chosen = 0;
-    iso_status status = iso_json_parse(file->path, file->text, file->size, &root, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_json_parse(file->path, file->text, file->size, &root, err));
     iso_json_reader r = {.path = file->path, .err = err};
     const json_t *properties = iso_json_get_array(&r, root, "volumeProperties", true);
     const size_t count = list_components(&r, properties, components, names);
@@ -111,11 +110,8 @@ static iso_status load_slicer(const iso_tf_file *file, iso_tf *tf, iso_error *er
     TRY(r.status, iso_tf_choose(file, "component", list, count, &chosen, err));
     if (r.status == ISO_OK)
         read_component(&r, components[chosen], &curves);
-    json_decref(root);
-    if (r.status == ISO_OK)
-        return iso_tf_take_curves(file, &curves, tf, err);
-    iso_tf_curves_destroy(&curves);
-    return r.status;
+    NEED(r.status);
+    return iso_tf_take_curves(file, &curves, tf, err);
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */

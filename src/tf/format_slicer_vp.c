@@ -12,24 +12,20 @@ enum { SCALAR_OPACITY = 6, GRADIENT_OPACITY = 7, COLOR = 8, LINES = 9 };
 static iso_status load_vp(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
     const char *lines[LINES];
-    iso_tf_curves curves = {0};
-    char *text = strdup(file->text), *rest = text;
+    OWNED(iso_tf_curves) curves = {0};
+    FREED char *text = strdup(file->text);
+    char *rest = text;
     int count = 0;
     if (!text)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
     for (; count < LINES && rest && *rest; ++count)
         lines[count] = strsep(&rest, "\n");
-    iso_status status = count < LINES
-                            ? iso_fail(err, ISO_E_FORMAT, "%s: has %d lines, a volume property of 3D Slicer has %d",
-                                       file->path, count, (int)LINES)
-                            : iso_slicer_curves(&(iso_slicer_texts){lines[SCALAR_OPACITY], lines[GRADIENT_OPACITY],
-                                                                    lines[COLOR]},
-                                                file->path, &curves, err);
-    free(text);
-    if (status == ISO_OK)
-        return iso_tf_take_curves(file, &curves, tf, err);
-    iso_tf_curves_destroy(&curves);
-    return status;
+    if (count < LINES)
+        return iso_fail(err, ISO_E_FORMAT, "%s: has %d lines, a volume property of 3D Slicer has %d", file->path, count,
+                        (int)LINES);
+    const iso_slicer_texts texts = {lines[SCALAR_OPACITY], lines[GRADIENT_OPACITY], lines[COLOR]};
+    NEED(iso_slicer_curves(&texts, file->path, &curves, err));
+    return iso_tf_take_curves(file, &curves, tf, err);
 }
 
 const iso_tf_format iso_tf_format_slicer_vp = {

@@ -64,25 +64,22 @@ iso_status iso_tf_reduce(const iso_tf_table *table, double unit_mm, size_t grid,
                          iso_error *err)
 {
     const size_t count = grid ? grid : table->count;
-    sampled s = {count, table->lo, table->hi, malloc(count * sizeof *s.rgba), malloc(count * sizeof *s.kept)};
+    FREED double(*rgba)[4] = malloc(count * sizeof *rgba);
+    FREED bool *kept = malloc(count * sizeof *kept);
+    const sampled s = {count, table->lo, table->hi, rgba, kept};
     *curves = (iso_tf_curves){.unit_mm = unit_mm};
-    iso_status status = s.rgba && s.kept ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu entries", count);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+    if (!rgba || !kept)
+        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu entries", count);
+    for (size_t i = 0; i < count; ++i) {
         double found[4];
         iso_tf_lookup(table, place(&s, i), found);
         for (int c = 0; c < 3; ++c)
             s.rgba[i][c] = fmin(fmax(iso_linear_to_srgb(found[c]), 0), 1);
         s.rgba[i][3] = -expm1(-found[3] * unit_mm);
     }
-    if (status == ISO_OK)
-        choose(&s, 0, grid ? 3 : 2, most); /* on a grid both curves share the nodes */
-    TRY(status, take(&s, true, &curves->color, err));
-    if (status == ISO_OK && !grid)
+    choose(&s, 0, grid ? 3 : 2, most); /* on a grid both curves share the nodes */
+    NEED(take(&s, true, &curves->color, err));
+    if (!grid)
         choose(&s, 3, 3, most / 16); /* small opacities add up along long rays */
-    TRY(status, take(&s, false, &curves->opacity, err));
-    free(s.rgba);
-    free(s.kept);
-    if (status != ISO_OK)
-        iso_tf_curves_destroy(curves);
-    return status;
+    return take(&s, false, &curves->opacity, err);
 }

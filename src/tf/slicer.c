@@ -3,8 +3,9 @@
 
 #include <stdlib.h>
 
-iso_status iso_slicer_curve(const char *text, const char *what, int components, const char *path, iso_tf_curve *curve,
-                            iso_error *err)
+/* Reads a curve from Slicer's text: "8 x y x y x y x y", or "8 x r g b x r g b". what: its name in messages. */
+static iso_status read_curve(const char *text, const char *what, int components, const char *path, iso_tf_curve *curve,
+                             iso_error *err)
 {
     char *end = (char *)text;
     const double count = strtod(text, &end);
@@ -37,11 +38,10 @@ iso_status iso_slicer_check_gradient(const iso_tf_curve *curve, const char *hint
 
 iso_status iso_slicer_curves(const iso_slicer_texts *texts, const char *path, iso_tf_curves *curves, iso_error *err)
 {
-    iso_tf_curve gradient = {0};
+    OWNED(iso_tf_curves) gradient = {0};
     curves->unit_mm = 1, curves->unit_is_default = true;
-    iso_status status = iso_slicer_curve(texts->scalar_opacity, "scalarOpacity", 1, path, &curves->opacity, err);
-    TRY(status, iso_slicer_curve(texts->gradient_opacity, "gradientOpacity", 1, path, &gradient, err));
-    TRY(status, iso_slicer_check_gradient(&gradient, "", path, err));
-    free(gradient.nodes);
-    return status == ISO_OK ? iso_slicer_curve(texts->color, "colorTransfer", 3, path, &curves->color, err) : status;
+    NEED(read_curve(texts->scalar_opacity, "scalarOpacity", 1, path, &curves->opacity, err));
+    NEED(read_curve(texts->gradient_opacity, "gradientOpacity", 1, path, &gradient.opacity, err));
+    NEED(iso_slicer_check_gradient(&gradient.opacity, "", path, err));
+    return read_curve(texts->color, "colorTransfer", 3, path, &curves->color, err);
 }

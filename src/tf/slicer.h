@@ -4,10 +4,6 @@
 
 #include "tf/format.h"
 
-/* Reads a curve from Slicer's text: "8 x y x y x y x y", or "8 x r g b x r g b". what: its name in messages. */
-iso_status iso_slicer_curve(const char *text, const char *what, int components, const char *path, iso_tf_curve *curve,
-                            iso_error *err);
-
 /* Refuses gradient opacities other than 1, which transfer functions here cannot express. hint: the remedy, or "". */
 iso_status iso_slicer_check_gradient(const iso_tf_curve *curve, const char *hint, const char *path, iso_error *err);
 

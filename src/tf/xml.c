@@ -26,12 +26,15 @@ iso_status iso_xml_parse(const iso_tf_file *file, xmlDocPtr *doc, iso_error *err
         status = iso_fail(err, ISO_E_FORMAT, "%s:%d: not XML: %.*s", file->path, e ? e->line : 0,
                           (int)strcspn(message, "\n"), message);
     } else if (!xmlDocGetRootElement(*doc)) {
-        xmlFreeDoc(*doc);
-        *doc = NULL;
         status = iso_fail(err, ISO_E_FORMAT, "%s: has no element", file->path);
     }
     xmlFreeParserCtxt(context);
     return status;
+}
+
+void iso_xml_free_doc(xmlDocPtr *doc)
+{
+    xmlFreeDoc(*doc);
 }
 
 bool iso_xml_is(const xmlNode *node, const char *name)
@@ -65,31 +68,57 @@ xmlNode *iso_xml_child(const xmlNode *node, const char *name)
     return NULL;
 }
 
+enum { MOST_CHOICES = 1024 };
+
+iso_status iso_xml_choose(const iso_tf_file *file, const xmlNode *root, const char *element, const char *what,
+                          const xmlNode **chosen, iso_error *err)
+{
+    const xmlNode *nodes[MOST_CHOICES] = {0};
+    char *names[MOST_CHOICES] = {0};
+    size_t count = 0, at = 0;
+    const xmlNode *node = iso_xml_is(root, element) ? root : iso_xml_next(root, root, element);
+    for (; node && count < MOST_CHOICES; node = iso_xml_next(root, node, element)) {
+        nodes[count] = node;
+        names[count] = iso_xml_text(node, "name");
+        if (!names[count])
+            names[count] = (char *)xmlStrdup((const xmlChar *)"");
+        ++count;
+    }
+    const iso_status status = iso_tf_choose(file, what, (const char *const *)names, count, &at, err);
+    *chosen = status == ISO_OK ? nodes[at] : NULL;
+    for (size_t i = 0; i < count; ++i)
+        xmlFree(names[i]);
+    return status;
+}
+
 char *iso_xml_text(const xmlNode *node, const char *attribute)
 {
     return node ? (char *)xmlGetProp((xmlNode *)node, (const xmlChar *)attribute) : NULL;
 }
 
+void iso_xml_free_text(char **text)
+{
+    xmlFree(*text);
+}
+
 iso_status iso_xml_number(const iso_tf_file *file, const xmlNode *node, const char *attribute, const double limits[2],
                           double *value, iso_error *err)
 {
-    char *text = iso_xml_text(node, attribute), *end = text;
+    ENDED_BY(iso_xml_free_text) char *text = iso_xml_text(node, attribute);
     const long line = xmlGetLineNo((xmlNode *)node);
-    iso_status status = ISO_OK;
+    char *end;
     if (!text)
         return iso_fail(err, ISO_E_FORMAT, "%s:%ld: <%s> has no attribute \"%s\"", file->path, line,
                         (const char *)node->name, attribute);
     const double number = strtod(text, &end);
     if (end == text || end[strspn(end, " \t\r\n")] != '\0')
-        status = iso_fail(err, ISO_E_FORMAT, "%s:%ld: <%s %s=\"%.40s\">: is not a number", file->path, line,
-                          (const char *)node->name, attribute, text);
-    else if (!(number >= limits[0] && number <= limits[1]))
-        status = iso_fail(err, ISO_E_RANGE, "%s:%ld: <%s %s=\"%g\">: must be %g to %g", file->path, line,
-                          (const char *)node->name, attribute, number, limits[0], limits[1]);
-    else
-        *value = number;
-    xmlFree(text);
-    return status;
+        return iso_fail(err, ISO_E_FORMAT, "%s:%ld: <%s %s=\"%.40s\">: is not a number", file->path, line,
+                        (const char *)node->name, attribute, text);
+    if (!(number >= limits[0] && number <= limits[1]))
+        return iso_fail(err, ISO_E_RANGE, "%s:%ld: <%s %s=\"%g\">: must be %g to %g", file->path, line,
+                        (const char *)node->name, attribute, number, limits[0], limits[1]);
+    *value = number;
+    return ISO_OK;
 }
 
 iso_status iso_xml_optional_number(const iso_tf_file *file, const xmlNode *node, const char *attribute,
