@@ -184,7 +184,7 @@ TEST(each_format_has_a_whole_row)
     for (size_t i = 0; i < iso_volume_format_names.count; ++i) {
         const iso_volume_format *f = iso_volume_format_at(i);
         assert_true(f->name && *f->name && f->title && *f->title && f->summary && *f->summary && f->suffixes[0] == '.');
-        assert_true((!f->probe && !f->probe_path) == !f->open && !f->open == !f->starts);
+        assert_true((!f->probe && !f->probe_path) == (!f->open && !f->read) && (!f->open && !f->read) == !f->starts);
         size_t row = 99;
         assert_ok(iso_names_find(&iso_volume_format_names, f->name, &row, &err)); /* and its name is its own */
         assert_int_equal(row, i);

@@ -128,23 +128,18 @@ static iso_status choose_frame(const char *head, size_t frames, iso_volume_sourc
 static iso_status take_samples(iso_volume_source *source, iso_error *err)
 {
     struct stat st;
-    char *brick = NULL;
+    FREED char *brick = NULL;
     if (asprintf(&brick, "%.*s.BRIK.gz", (int)(strlen(source->path) - 5), source->path) < 0)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
-    const bool is_packed = stat(brick, &st) == 0 && S_ISREG(st.st_mode);
-    brick[strlen(brick) - (is_packed ? 0 : 3)] = 0;
-    iso_status status = ISO_OK;
-    if (!is_packed)
-        status = iso_source_take_file(source, brick, 0, err);
-    else {
-        status = iso_inputs_note(brick, err);
-        source->gz = status == ISO_OK ? gzopen(brick, "rb") : NULL;
-        if (status == ISO_OK && !source->gz)
-            status = iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", brick, strerror(errno));
-        TRY(status, iso_source_check_packed(source, brick, (double)st.st_size, ISO_SOURCE_DEFLATE_MOST, err));
+    if (stat(brick, &st) != 0 || !S_ISREG(st.st_mode)) {
+        brick[strlen(brick) - 3] = 0;
+        return iso_source_take_file(source, brick, 0, err);
     }
-    free(brick);
-    return status;
+    NEED(iso_inputs_note(brick, err));
+    source->gz = gzopen(brick, "rb");
+    if (!source->gz)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", brick, strerror(errno));
+    return iso_source_check_packed(source, brick, (double)st.st_size, ISO_SOURCE_DEFLATE_MOST, err);
 }
 
 static iso_status open_head(const char *head, iso_volume_source *source, iso_error *err)
@@ -153,10 +148,10 @@ static iso_status open_head(const char *head, iso_volume_source *source, iso_err
     if (numbers_of(head, "DATASET_RANK", rank, 2) != 2 || !(rank[1] >= 1 && rank[1] <= MOST_FRAMES))
         return iso_fail(err, ISO_E_FORMAT, "%s: damaged: no DATASET_RANK with 1 to %d sub-bricks", source->path,
                         MOST_FRAMES);
-    iso_status status = take_geometry(head, source, err);
-    TRY(status, take_type(head, (size_t)rank[1], source, err));
-    TRY(status, choose_frame(head, (size_t)rank[1], source, err));
-    return status == ISO_OK ? take_samples(source, err) : status;
+    NEED(take_geometry(head, source, err));
+    NEED(take_type(head, (size_t)rank[1], source, err));
+    NEED(choose_frame(head, (size_t)rank[1], source, err));
+    return take_samples(source, err);
 }
 
 static iso_status open_afni(iso_volume_source *source, iso_error *err)

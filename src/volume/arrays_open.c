@@ -13,8 +13,9 @@ static iso_status open_arrays(iso_volume_source *source, iso_error *err)
 {
     static const iso_child_program arrays = {"isoshade-arrays", "HDF5 or netCDF",
                                              "libhdf5-dev, libnetcdf-dev, libblosc-dev and liblz4-dev"};
-    const iso_status status = iso_path_is_dir(source->path) ? iso_inputs_note_folder(source->path, err) : ISO_OK;
-    return status == ISO_OK ? iso_child_open(source, &arrays, source->part, err) : status;
+    if (iso_path_is_dir(source->path))
+        NEED(iso_inputs_note_folder(source->path, err));
+    return iso_child_open(source, &arrays, source->part, err);
 }
 
 static bool starts_like_hdf5(const unsigned char *head, size_t size)

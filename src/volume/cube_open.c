@@ -3,7 +3,6 @@
  * the atoms, and the values as text, z fastest. Lengths are bohr, or angstrom if an axis has a negative number of
  * samples. */
 #define _GNU_SOURCE
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -89,23 +88,15 @@ static iso_status take_geometry(const cube *c, iso_volume_source *source, iso_er
     return iso_source_check_geometry(source, err);
 }
 
-static iso_status open_cube(iso_volume_source *source, iso_error *err)
+static iso_status read_cube(FILE *f, iso_volume_source *source, iso_error *err)
 {
     cube c = {0};
-    FILE *f = fopen(source->path, "rb");
-    if (!f)
-        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
-    iso_status status = ISO_OK;
     if (!read_header(f, &c) || !skip_atoms(f, &c))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before the values of a cube file", source->path);
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated before the values of a cube file", source->path);
     c.axes.channel = (iso_extra_axis){.count = (size_t)c.values, .inside = true, .stride = 1};
-    TRY(status, take_geometry(&c, source, err));
-    TRY(status, iso_source_choose(source, &c.axes, err));
-    if (status == ISO_OK)
-        status = iso_source_take_text(source, f, (iso_text_layout){.z_fastest = true}, err);
-    status = iso_source_check_read(f, source->path, status, err);
-    fclose(f);
-    return status;
+    NEED(take_geometry(&c, source, err));
+    NEED(iso_source_choose(source, &c.axes, err));
+    return iso_source_take_text(source, f, (iso_text_layout){.z_fastest = true}, err);
 }
 
 const iso_volume_format iso_volume_format_cube = {
@@ -115,5 +106,5 @@ const iso_volume_format iso_volume_format_cube = {
     .suffixes = ".cube .cub",
     .starts = "two lines of words, named .cube",
     .probe_path = is_cube,
-    .open = open_cube,
+    .read = read_cube,
 };

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* dx_open.c - OpenDX grids of APBS, VMD and others: a regular grid as text, z fastest, in angstrom. */
 #define _GNU_SOURCE
-#include <errno.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -53,22 +52,15 @@ static iso_status check_header(const dx *d, const char *path, iso_error *err)
                           d->size[0], d->size[1], d->size[2]);
 }
 
-static iso_status open_dx(iso_volume_source *source, iso_error *err)
+static iso_status read_dx(FILE *f, iso_volume_source *source, iso_error *err)
 {
     dx d = {0};
-    FILE *f = fopen(source->path, "rb");
-    if (!f)
-        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
-    iso_status status = ISO_OK;
     if (!read_header(f, &d))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before the samples of an OpenDX file", source->path);
-    TRY(status, check_header(&d, source->path, err));
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated before the samples of an OpenDX file", source->path);
+    NEED(check_header(&d, source->path, err));
     source->header.type = ISO_F32;
-    TRY(status, iso_reader_place(source, d.size, d.step, d.origin, "angstrom", err));
-    TRY(status, iso_source_take_text(source, f, (iso_text_layout){.z_fastest = true, .words_follow = true}, err));
-    status = iso_source_check_read(f, source->path, status, err);
-    fclose(f);
-    return status;
+    NEED(iso_reader_place(source, d.size, d.step, d.origin, "angstrom", err));
+    return iso_source_take_text(source, f, (iso_text_layout){.z_fastest = true, .words_follow = true}, err);
 }
 
 const iso_volume_format iso_volume_format_dx = {
@@ -78,5 +70,5 @@ const iso_volume_format iso_volume_format_dx = {
     .suffixes = ".dx",
     .starts = "a line with gridpositions, named .dx",
     .probe_path = is_dx,
-    .open = open_dx,
+    .read = read_dx,
 };

@@ -6,7 +6,6 @@
  * are none, so --spacing is needed. */
 #define _GNU_SOURCE
 #include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -211,27 +210,22 @@ static iso_status take_image(const fits *h, iso_volume_source *source, iso_error
     if (h->scale == 0 || !isfinite(h->scale) || !isfinite(h->zero))
         return iso_fail(err, ISO_E_FORMAT, "%s: BSCALE is %g, BZERO %g, must be finite, and BSCALE not 0", source->path,
                         h->scale, h->zero);
-    iso_status status = take_type(h, source, err);
-    TRY(status, take_geometry(h, used, source, err));
+    NEED(take_type(h, source, err));
+    NEED(take_geometry(h, used, source, err));
     source->header.notes.scale_slope = h->scale;
     source->header.notes.scale_intercept = h->zero;
     const iso_extra_axes axes = {.frame = {.count = count > 3 ? (size_t)h->axis[used[3]].size : 1, .stride = 1}};
-    TRY(status, iso_source_choose(source, &axes, err));
-    if (status == ISO_OK && h->bits > 0)
+    NEED(iso_source_choose(source, &axes, err));
+    if (h->bits > 0)
         iso_source_note_fill(source, h->blank);
-    return status == ISO_OK ? iso_source_take_part(source, source->path, (size_t)h->at, err) : status;
+    return iso_source_take_part(source, source->path, (size_t)h->at, err);
 }
 
-static iso_status open_fits(iso_volume_source *source, iso_error *err)
+static iso_status read_fits(FILE *f, iso_volume_source *source, iso_error *err)
 {
     fits h = {0};
-    FILE *f = fopen(source->path, "rb");
-    if (!f)
-        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
-    iso_status status = find_image(f, source, &h, err);
-    status = iso_source_check_read(f, source->path, status, err);
-    fclose(f);
-    return status == ISO_OK ? take_image(&h, source, err) : status;
+    NEED(find_image(f, source, &h, err));
+    return take_image(&h, source, err);
 }
 
 static bool starts_like_fits(const unsigned char *head, size_t size)
@@ -247,5 +241,5 @@ const iso_volume_format iso_volume_format_fits = {
     .starts = "\"SIMPLE  =\"",
     .takes_part = true,
     .probe = starts_like_fits,
-    .open = open_fits,
+    .read = read_fits,
 };

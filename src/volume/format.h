@@ -61,6 +61,8 @@ typedef struct iso_volume_format {
      * compressed file at the first sample, all samples in memory, or a reader of its own (stream_kernel.h). Checks
      * the geometry and that the number of samples is the header's. The caller closes the source on failure. */
     iso_status (*open)(iso_volume_source *source, iso_error *err);
+    /* The same, if `open` is NULL, from the opened file, which the caller closes: headers of text, and short ones. */
+    iso_status (*read)(FILE *file, iso_volume_source *source, iso_error *err);
 } iso_volume_format;
 
 extern const iso_names iso_volume_format_names;

@@ -12,47 +12,41 @@ static iso_status measure_planes(const char *path, iso_volume_source *source, do
 {
     iso_volume plane = *iso_source_volume(source);
     const size_t planes = plane.geometry.size[2];
-    iso_status status = ISO_OK;
     plane.geometry.size[2] = 1;
-    plane.data = malloc(plane.geometry.size[0] * plane.geometry.size[1] * iso_type_bytes(plane.type));
-    if (!plane.data)
+    FREED void *samples = plane.data = malloc(plane.geometry.size[0] * plane.geometry.size[1] *
+                                              iso_type_bytes(plane.type));
+    if (!samples)
         return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", path);
-    for (size_t z = 0; z < planes && status == ISO_OK; ++z) {
-        status = iso_source_read(source, 1, plane.data, err);
-        if (status != ISO_OK)
-            break;
+    for (size_t z = 0; z < planes; ++z) {
+        NEED(iso_source_read(source, 1, plane.data, err));
         const iso_volume_stats s = iso_volume_measure(&plane);
         range[0] = fmin(range[0], s.min);
         range[1] = fmax(range[1], s.max);
         *has_no_data = *has_no_data || s.no_data_count > 0;
         if (s.nonfinite_count > 0)
-            status = iso_fail(err, ISO_E_RANGE, "%s: voxels of plane %zu are NaN or infinite, none may be", path, z);
+            return iso_fail(err, ISO_E_RANGE, "%s: voxels of plane %zu are NaN or infinite, none may be", path, z);
     }
-    free(plane.data);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_frames_measure(const char *path, const iso_volume_input *input, iso_frames_facts *facts, iso_error *err)
 {
-    iso_status status = ISO_OK;
     double most = -1;
     *facts = (iso_frames_facts){.count = 1, .range = {INFINITY, -INFINITY}};
-    for (size_t k = 0; k < facts->count && status == ISO_OK; ++k) {
+    for (size_t k = 0; k < facts->count; ++k) {
         char number[24];
         double range[2] = {INFINITY, -INFINITY};
-        iso_volume_source *source;
+        ENDED_BY(iso_source_close_owned) iso_volume_source *source = NULL;
         iso_volume_input one = *input;
         snprintf(number, sizeof number, "%zu", k);
         one.frame = number;
-        status = iso_volume_input_open(path, &one, &source, err);
-        if (status != ISO_OK)
-            break;
+        NEED(iso_volume_input_open(path, &one, &source, err));
         facts->count = iso_source_volume(source)->notes.frame_count;
-        status = facts->count > 1 ? measure_planes(path, source, range, &facts->has_no_data, err)
-                                  : iso_fail(err, ISO_E_USAGE, "%s: has one frame, --frames all is for several", path);
-        iso_source_close(source);
-        if (status == ISO_OK && !(range[0] <= range[1]))
-            status = iso_fail(err, ISO_E_RANGE, "%s: frame %zu has no voxel with data, each must have some", path, k);
+        if (facts->count <= 1)
+            return iso_fail(err, ISO_E_USAGE, "%s: has one frame, --frames all is for several", path);
+        NEED(measure_planes(path, source, range, &facts->has_no_data, err));
+        if (!(range[0] <= range[1]))
+            return iso_fail(err, ISO_E_RANGE, "%s: frame %zu has no voxel with data, each must have some", path, k);
         if (range[1] - range[0] > most) {
             most = range[1] - range[0];
             facts->widest = k;
@@ -60,7 +54,7 @@ iso_status iso_frames_measure(const char *path, const iso_volume_input *input, i
         facts->range[0] = fmin(facts->range[0], range[0]);
         facts->range[1] = fmax(facts->range[1], range[1]);
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_frames_labels(const char *path, const iso_volume_input *input, size_t *count, iso_error *err)
@@ -70,23 +64,21 @@ iso_status iso_frames_labels(const char *path, const iso_volume_input *input, si
     for (size_t k = 0; k < frames; ++k) {
         char number[24];
         size_t labels = 0;
-        iso_volume_source *source;
         iso_volume_input one = *input;
         snprintf(number, sizeof number, "%zu", k);
         one.frame = number;
-        iso_status status = k == 0 ? iso_volume_input_open(path, &one, &source, err) : ISO_OK;
-        if (status == ISO_OK && k == 0) {
+        if (k == 0) {
+            iso_volume_source *source;
+            NEED(iso_volume_input_open(path, &one, &source, err));
             frames = iso_source_volume(source)->notes.frame_count;
             iso_source_close(source);
         }
         iso_label_facts facts;
-        TRY(status, iso_volume_input_look(path, &one, &labels, &facts, err));
-        if (status == ISO_OK && labels > 0 && facts.is_sparse)
-            status = iso_fail(err, ISO_E_RANGE,
-                              "%s: labels of %.0f to %.0f would get other numbers in each frame; choose one by --frame",
-                              path, facts.value[0], facts.value[facts.count - 1]);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_volume_input_look(path, &one, &labels, &facts, err));
+        if (labels > 0 && facts.is_sparse)
+            return iso_fail(err, ISO_E_RANGE,
+                            "%s: labels of %.0f to %.0f would get other numbers in each frame; choose one by --frame",
+                            path, facts.value[0], facts.value[facts.count - 1]);
         *(labels ? &with : &without) = k + 1;
         *count = labels > *count ? labels : *count;
     }

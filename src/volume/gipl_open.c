@@ -106,11 +106,9 @@ static iso_status open_gipl(iso_volume_source *source, iso_error *err)
                                         iso_fail(err, ISO_E_FORMAT, "%s: truncated: a GIPL header has %d bytes",
                                                  source->path, HEADER_BYTES),
                                         err);
-    iso_status status = take_type((unsigned)big_endian(head + TYPE, 2), source, err);
-    TRY(status, take_geometry(head, source, err));
+    NEED(take_type((unsigned)big_endian(head + TYPE, 2), source, err));
+    NEED(take_geometry(head, source, err));
     source->swap_bytes = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
-    if (status != ISO_OK)
-        return status;
     if (!gzdirect(source->gz))
         return check_packed(source, err);
     gzclose(source->gz);

@@ -52,12 +52,12 @@ static bool is_raw(const iso_volume_input *in)
 static iso_status parse_spacing(const char *option, const char *text, double unit_mm, double spacing_mm[3],
                                 iso_error *err)
 {
-    iso_status status = iso_words_parse_numbers(text, option, spacing_mm, err);
-    for (int a = 0; status == ISO_OK && a < 3; ++a) {
-        status = iso_words_check_range(option, spacing_mm[a], ISO_LEAST_MM, ISO_MOST_MM, err);
+    NEED(iso_words_parse_numbers(text, option, spacing_mm, err));
+    for (int a = 0; a < 3; ++a) {
+        NEED(iso_words_check_range(option, spacing_mm[a], ISO_LEAST_MM, ISO_MOST_MM, err));
         spacing_mm[a] *= unit_mm;
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status parse_hints(const iso_volume_input *in, iso_volume_hints *hints, double *unit_mm, iso_error *err)
@@ -70,11 +70,11 @@ static iso_status parse_hints(const iso_volume_input *in, iso_volume_hints *hint
     if (in->resample && in->force_spacing)
         return iso_fail(err, ISO_E_USAGE, "--resample and --force-spacing: one or the other");
     *unit_mm = 1;
-    iso_status status = in->unit ? iso_unit_parse("--unit", in->unit, unit_mm, &hints->unit, err) : ISO_OK;
-    if (status == ISO_OK && in->spacing)
-        status = parse_spacing("--spacing", in->spacing, *unit_mm, hints->spacing_mm, err);
-    TRY(status, iso_no_data_parse(in->no_data, &hints->no_data, err));
-    return status;
+    if (in->unit)
+        NEED(iso_unit_parse("--unit", in->unit, unit_mm, &hints->unit, err));
+    if (in->spacing)
+        NEED(parse_spacing("--spacing", in->spacing, *unit_mm, hints->spacing_mm, err));
+    return iso_no_data_parse(in->no_data, &hints->no_data, err);
 }
 
 static iso_status parse_layout(const iso_volume_input *in, const iso_volume_hints *hints, double unit_mm,
@@ -85,15 +85,15 @@ static iso_status parse_layout(const iso_volume_input *in, const iso_volume_hint
         layout->spacing_mm[a] = hints->spacing_mm[a];
     if (!in->raw_size || !in->raw_type)
         return iso_fail(err, ISO_E_USAGE, "a raw volume needs both --raw-size and --raw-type");
-    iso_status status = iso_words_parse_sizes(in->raw_size, "--raw-size", layout->size, err);
-    if (status == ISO_OK && iso_file_type_from_name(in->raw_type, &layout->type, &layout->form, err) != ISO_OK)
-        status = iso_fail_in(err, ISO_E_USAGE, "--raw-type");
-    if (status == ISO_OK && in->raw_spacing)
-        status = parse_spacing("--raw-spacing", in->raw_spacing, unit_mm, layout->spacing_mm, err);
-    TRY(status, iso_words_check_range("--raw-skip", (double)in->raw_skip_bytes, 0, 1e15, err));
+    NEED(iso_words_parse_sizes(in->raw_size, "--raw-size", layout->size, err));
+    if (iso_file_type_from_name(in->raw_type, &layout->type, &layout->form, err) != ISO_OK)
+        return iso_fail_in(err, ISO_E_USAGE, "--raw-type");
+    if (in->raw_spacing)
+        NEED(parse_spacing("--raw-spacing", in->raw_spacing, unit_mm, layout->spacing_mm, err));
+    NEED(iso_words_check_range("--raw-skip", (double)in->raw_skip_bytes, 0, 1e15, err));
     layout->skip_bytes = (size_t)in->raw_skip_bytes;
     layout->no_data = hints->no_data;
-    return status;
+    return ISO_OK;
 }
 
 static iso_status open_stored(const char *path, const iso_volume_input *in, iso_volume_source **source, iso_error *err)
@@ -107,18 +107,18 @@ static iso_status open_stored(const char *path, const iso_volume_input *in, iso_
     if (in->series)
         return iso_fail(err, ISO_E_USAGE, "%s: a raw file is one volume, --series %s names none of several", path,
                         in->series);
-    iso_status status = parse_layout(in, &hints, unit_mm, &layout, err);
-    return status == ISO_OK ? iso_source_open_raw(path, &layout, source, err) : status;
+    NEED(parse_layout(in, &hints, unit_mm, &layout, err));
+    return iso_source_open_raw(path, &layout, source, err);
 }
 
 iso_status iso_volume_input_open(const char *path, const iso_volume_input *in, iso_volume_source **source,
                                  iso_error *err)
 {
     *source = NULL;
-    iso_status status = open_stored(path, in, source, err);
-    if (status == ISO_OK && !in->stored)
+    NEED(open_stored(path, in, source, err));
+    if (!in->stored)
         iso_source_apply_scale(*source);
-    return status;
+    return ISO_OK;
 }
 
 /* Checks all that needs no look at the samples; *look: a look is needed. */
@@ -151,17 +151,16 @@ static iso_status count_labels(const char *path, bool said, const iso_label_fact
 iso_status iso_volume_input_look(const char *path, const iso_volume_input *in, size_t *count, iso_label_facts *facts,
                                  iso_error *err)
 {
-    iso_volume_source *source;
+    ENDED_BY(iso_source_close_owned) iso_volume_source *source = NULL;
     bool look = false;
     *count = 0;
     *facts = (iso_label_facts){0};
     NEED(iso_volume_input_open(path, in, &source, err));
     const bool said = in->labels || iso_source_volume(source)->notes.says_labels;
-    iso_status status = check_labels(path, in, iso_source_volume(source), &look, err);
-    if (status == ISO_OK && look)
-        status = iso_labels_look(source, said, facts, err);
-    iso_source_close(source);
-    return status == ISO_OK ? count_labels(path, said, facts, count, err) : status;
+    NEED(check_labels(path, in, iso_source_volume(source), &look, err));
+    if (look)
+        NEED(iso_labels_look(source, said, facts, err));
+    return count_labels(path, said, facts, count, err);
 }
 
 iso_status iso_volume_input_labels(const char *path, const iso_volume_input *in, size_t *count, iso_error *err)
@@ -181,13 +180,13 @@ static iso_status note_labels(const char *path, const iso_volume_input *in, iso_
     iso_label_facts facts = {0};
     const bool said = in->labels || v->notes.says_labels;
     bool look = false;
-    iso_status status = check_labels(path, in, v, &look, err);
-    if (status == ISO_OK && look)
-        status = iso_labels_look_at(v, said, &facts, err);
-    TRY(status, count_labels(path, said, &facts, &v->notes.label_count, err));
-    if (status == ISO_OK && v->notes.label_count > 0 && facts.is_sparse)
+    NEED(check_labels(path, in, v, &look, err));
+    if (look)
+        NEED(iso_labels_look_at(v, said, &facts, err));
+    NEED(count_labels(path, said, &facts, &v->notes.label_count, err));
+    if (v->notes.label_count > 0 && facts.is_sparse)
         iso_labels_number(v, &facts);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_volume_input_load_source(iso_volume_source *source, const char *path, const iso_volume_input *in,
@@ -205,6 +204,6 @@ iso_status iso_volume_input_load(const char *path, const iso_volume_input *in, i
 {
     iso_volume_source *source;
     *v = (iso_volume){0};
-    const iso_status status = iso_volume_input_open(path, in, &source, err);
-    return status == ISO_OK ? iso_volume_input_load_source(source, path, in, v, err) : status;
+    NEED(iso_volume_input_open(path, in, &source, err));
+    return iso_volume_input_load_source(source, path, in, v, err);
 }

@@ -93,11 +93,8 @@ static iso_status note_slices(const char *folder, bool is_series, iso_error *err
 static iso_status open_itk(iso_volume_source *source, iso_error *err)
 {
     static const iso_child_program itk = {"isoshade-itk", "ITK", "libinsighttoolkit5-dev"};
-    const iso_status status = iso_child_open(source, &itk, source->hints.series, err);
-    const bool is_series = source->header.notes.world_is_ras;
-    if (status != ISO_OK || !iso_path_is_dir(source->path))
-        return status;
-    return note_slices(source->path, is_series, err);
+    NEED(iso_child_open(source, &itk, source->hints.series, err));
+    return iso_path_is_dir(source->path) ? note_slices(source->path, source->header.notes.world_is_ras, err) : ISO_OK;
 }
 
 const iso_volume_format iso_volume_format_itk = {

@@ -141,13 +141,11 @@ static iso_status take_geometry(const metaimage *m, iso_volume_source *source, i
     iso_volume *header = &source->header;
     iso_geometry *g = &header->geometry;
     double mm;
-    iso_status status = iso_source_unit(source, m->unit, "mm", &mm, err);
+    NEED(iso_source_unit(source, m->unit, "mm", &mm, err));
     double spacing[3]; /* three or four numbers, or none */
     for (int a = 0; a < 3; ++a)
         spacing[a] = m->has_spacing ? m->spacing[a] : (double)NAN;
-    TRY(status, iso_source_take_spacing(source, spacing, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_take_spacing(source, spacing, err));
     *g = iso_geometry_axis_aligned(m->size, (double[]){1, 1, 1});
     const double sign[3] = {-mm, -mm, mm};
     for (int a = 0; a < 3; ++a)
@@ -179,28 +177,25 @@ static iso_status open_samples(const metaimage *m, iso_volume_source *source, is
     FREED char *path = sample_path(m, source->path, is_local);
     size_t offset = is_local ? m->end : m->header_bytes > 0 ? (size_t)m->header_bytes : 0;
     struct stat st;
-    iso_status status = path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
-    if (status == ISO_OK && m->header_bytes == -1 && stat(path, &st) == 0 &&
-        (size_t)st.st_size >= iso_source_bytes(source))
+    if (!path)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    if (m->header_bytes == -1 && stat(path, &st) == 0 && (size_t)st.st_size >= iso_source_bytes(source))
         offset = (size_t)st.st_size - iso_source_bytes(source);
     source->swap_bytes = iso_type_bytes(source->header.type) > 1 &&
                          m->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
-    TRY(status, m->compressed ? iso_source_take_zlib(source, path, offset, err)
-                              : iso_source_take_file(source, path, offset, err));
-    return status;
+    return m->compressed ? iso_source_take_zlib(source, path, offset, err)
+                         : iso_source_take_file(source, path, offset, err);
 }
 
 static iso_status open_metaimage(iso_volume_source *source, iso_error *err)
 {
     metaimage m;
-    iso_status status = read_header(source->path, &m, err);
-    TRY(status, check_header(&m, source->path, err));
-    if (status == ISO_OK && !iso_reader_take_type(source, m.type, strlen(m.type)))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
-                          m.type);
-    TRY(status, take_geometry(&m, source, err));
-    TRY(status, choose(&m, source, err));
-    return status == ISO_OK ? open_samples(&m, source, err) : status;
+    NEED(read_header(source->path, &m, err));
+    NEED(check_header(&m, source->path, err));
+    NEED(iso_reader_need_type(source, m.type, err));
+    NEED(take_geometry(&m, source, err));
+    NEED(choose(&m, source, err));
+    return open_samples(&m, source, err);
 }
 
 static bool starts_like_metaimage(const unsigned char *head, size_t size)

@@ -75,19 +75,17 @@ static iso_status open_mgh(iso_volume_source *source, iso_error *err)
     char head[HEADER_BYTES + 1];
     const unsigned char *bytes = (const unsigned char *)head;
     size_t got;
-    iso_status status = iso_reader_head(source->path, head, HEADER_BYTES, &got, err);
-    if (status == ISO_OK && (got < HEADER_BYTES || !take_type(bytes, &source->header.type)))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated: %zu bytes, an MGH header has %d", source->path, got,
-                          HEADER_BYTES);
-    TRY(status, take_geometry(bytes, source, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_reader_head(source->path, head, HEADER_BYTES, &got, err));
+    if (got < HEADER_BYTES || !take_type(bytes, &source->header.type))
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %zu bytes, an MGH header has %d", source->path, got,
+                        HEADER_BYTES);
+    NEED(take_geometry(bytes, source, err));
     iso_extra_axes axes = {.frame = {.count = (size_t)iso_reader_number(bytes + FRAMES, 4), .stride = 1},
                            .frame_unit = "ms"};
     axes.frame_step = axes.frame.count > 1 ? repetition_ms(source, axes.frame.count) : 0;
-    status = iso_source_choose(source, &axes, err);
+    NEED(iso_source_choose(source, &axes, err));
     source->swap_bytes = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && iso_type_bytes(source->header.type) > 1;
-    return status == ISO_OK ? iso_source_take_part(source, source->path, HEADER_BYTES, err) : status;
+    return iso_source_take_part(source, source->path, HEADER_BYTES, err);
 }
 
 const iso_volume_format iso_volume_format_mgh = {

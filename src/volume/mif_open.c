@@ -153,11 +153,11 @@ static iso_status take_samples(const char *text, iso_volume_source *source, iso_
 static iso_status open_text(const char *text, iso_volume_source *source, iso_error *err)
 {
     mif m = {0};
-    iso_status status = take_axes(text, source->path, &m, err);
-    TRY(status, take_type(text, source, err));
-    TRY(status, take_geometry(&m, source, err));
-    TRY(status, choose_frame(&m, source, err));
-    return status == ISO_OK ? take_samples(text, source, err) : status;
+    NEED(take_axes(text, source->path, &m, err));
+    NEED(take_type(text, source, err));
+    NEED(take_geometry(&m, source, err));
+    NEED(choose_frame(&m, source, err));
+    return take_samples(text, source, err);
 }
 
 static iso_status open_mif(iso_volume_source *source, iso_error *err)

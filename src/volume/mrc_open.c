@@ -2,7 +2,6 @@
 /* mrc_open.c - MRC2014 and CCP4 maps of electron microscopy and crystallography [cheng-2015]: 1024 bytes of header,
  * an extended header, then the samples. Lengths are angstrom; the unit cell may be oblique. */
 #define _GNU_SOURCE
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -43,16 +42,9 @@ static bool starts_like_mrc(const unsigned char *head, size_t size)
     return size >= MAP_AT + 4 && memcmp(head + MAP_AT, "MAP", 3) == 0;
 }
 
-static iso_status read_header(const char *path, mrc *m, iso_error *err)
+static iso_status read_header(FILE *f, const char *path, mrc *m, iso_error *err)
 {
-    FILE *f = fopen(path, "rb");
-    if (!f)
-        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
     const size_t n = fread(m->word, 1, HEADER_BYTES, f);
-    const iso_status status = iso_source_check_read(f, path, ISO_OK, err);
-    fclose(f);
-    if (status != ISO_OK)
-        return status;
     if (n != HEADER_BYTES)
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %zu bytes, an MRC header has %d", path, n, HEADER_BYTES);
     /* The machine stamp is not always right; a mode or an axis that is large in one order is small in the other. */
@@ -143,15 +135,14 @@ static iso_status take_geometry(const mrc *m, iso_volume_source *source, iso_err
     return iso_source_check_geometry(source, err);
 }
 
-static iso_status open_mrc(iso_volume_source *source, iso_error *err)
+static iso_status read_mrc(FILE *f, iso_volume_source *source, iso_error *err)
 {
     mrc m = {0};
-    iso_status status = read_header(source->path, &m, err);
-    TRY(status, take_type(&m, source, err));
-    TRY(status, take_geometry(&m, source, err));
+    NEED(read_header(f, source->path, &m, err));
+    NEED(take_type(&m, source, err));
+    NEED(take_geometry(&m, source, err));
     source->swap_bytes = m.swapped && m.word[MODE] != 0;
-    return status == ISO_OK ? iso_source_take_file(source, source->path, HEADER_BYTES + (size_t)m.word[EXTENDED], err)
-                            : status;
+    return iso_source_take_file(source, source->path, HEADER_BYTES + (size_t)m.word[EXTENDED], err);
 }
 
 const iso_volume_format iso_volume_format_mrc = {
@@ -161,5 +152,5 @@ const iso_volume_format iso_volume_format_mrc = {
     .suffixes = ".mrc .map .ccp4 .rec",
     .starts = "\"MAP \" at byte 208",
     .probe = starts_like_mrc,
-    .open = open_mrc,
+    .read = read_mrc,
 };

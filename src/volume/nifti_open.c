@@ -292,33 +292,28 @@ static iso_status open_samples(iso_volume_source *source, const nifti_header *h,
         return iso_fail(err, ISO_E_FORMAT, "%s: a header alone (\"ni1\", \"ni2\") is named .hdr, its samples .img",
                         source->path);
     struct stat st;
-    iso_status status = h->one_file ? ISO_OK : iso_inputs_note(image, err);
-    source->gz = status == ISO_OK && stat(image, &st) == 0 && S_ISREG(st.st_mode) ? gzopen(image, "rb") : NULL;
+    if (!h->one_file)
+        NEED(iso_inputs_note(image, err));
+    source->gz = stat(image, &st) == 0 && S_ISREG(st.st_mode) ? gzopen(image, "rb") : NULL;
     size_t offset = (size_t)h->vox_offset;
-    if (source->gz) {
-        gzbuffer(source->gz, 1 << 18); /* before the first look into it */
-        gzdirect(source->gz);
-        status = iso_source_check_read_gz(source->gz, image, ISO_OK, err);
+    if (!source->gz)
+        return iso_fail(err, iso_errno_status(), "%s: its samples, %s, cannot be opened: %s", source->path, image,
+                        strerror(errno));
+    gzbuffer(source->gz, 1 << 18); /* before the first look into it */
+    gzdirect(source->gz);
+    NEED(iso_source_check_read_gz(source->gz, image, ISO_OK, err));
+    if (!gzdirect(source->gz)) {
+        NEED(iso_source_check_packed(source, image, (double)st.st_size, ISO_SOURCE_DEFLATE_MOST, err));
+        return gzseek(source->gz, (z_off_t)offset, SEEK_SET) >= 0
+                   ? ISO_OK
+                   : iso_fail(err, ISO_E_FORMAT, "%s: truncated before the samples at byte %zu", image, offset);
     }
-    if (status != ISO_OK) {
-        /* reported already */
-    } else if (!source->gz) {
-        status = iso_fail(err, iso_errno_status(), "%s: its samples, %s, cannot be opened: %s", source->path, image,
-                          strerror(errno));
-    } else if (gzdirect(source->gz)) {
-        gzclose(source->gz);
-        source->gz = NULL;
-        source->file = fopen(image, "rb");
-        if (!source->file || fseeko(source->file, (off_t)offset, SEEK_SET) != 0)
-            status = iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", image, strerror(errno));
-        else
-            status = iso_source_check_bytes(source, (double)st.st_size - (double)offset, err);
-    } else {
-        status = iso_source_check_packed(source, image, (double)st.st_size, ISO_SOURCE_DEFLATE_MOST, err);
-        if (status == ISO_OK && gzseek(source->gz, (z_off_t)offset, SEEK_SET) < 0)
-            status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before the samples at byte %zu", image, offset);
-    }
-    return status;
+    gzclose(source->gz);
+    source->gz = NULL;
+    source->file = fopen(image, "rb");
+    if (!source->file || fseeko(source->file, (off_t)offset, SEEK_SET) != 0)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be read: %s", image, strerror(errno));
+    return iso_source_check_bytes(source, (double)st.st_size - (double)offset, err);
 }
 
 static bool is_header_of_pair(const char *path)

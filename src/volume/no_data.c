@@ -113,10 +113,11 @@ iso_status iso_source_look_for_fills(iso_volume_source *all, bool *found, iso_er
 {
     const size_t *n = all->header.geometry.size;
     FREED char *plane = malloc(n[0] * n[1] * iso_type_bytes(all->header.type));
-    iso_status status = plane ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", all->path);
+    if (!plane)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", all->path);
     all->only_looks = true;
-    for (size_t z = 0; z < n[2] && status == ISO_OK; ++z)
-        status = iso_source_read(all, 1, plane, err);
-    *found = status == ISO_OK && fills_stand_out(&all->look);
-    return status;
+    for (size_t z = 0; z < n[2]; ++z)
+        NEED(iso_source_read(all, 1, plane, err));
+    *found = fills_stand_out(&all->look);
+    return ISO_OK;
 }

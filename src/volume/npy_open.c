@@ -30,7 +30,7 @@ static bool starts_like_npy(const unsigned char *head, size_t size)
 iso_status iso_npy_read_header(const char *path, iso_npy *n, iso_error *err)
 {
     unsigned char start[START_BYTES];
-    FILE *f = fopen(path, "rb");
+    ENDED_BY(iso_close_file) FILE *f = fopen(path, "rb");
     if (!f)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
     size_t got = fread(start, 1, START_BYTES, f);
@@ -44,12 +44,12 @@ iso_status iso_npy_read_header(const char *path, iso_npy *n, iso_error *err)
     if (length > 0 && length <= ISO_NPY_MOST_HEADER && fseek(f, (long)text_at, SEEK_SET) == 0)
         got = fread(n->text, 1, length, f);
     n->text[got] = 0;
-    const iso_status status = iso_source_check_read(f, path, ISO_OK, err);
-    fclose(f);
-    if (status == ISO_OK && (got == 0 || got != length))
-        return iso_fail(err, ISO_E_FORMAT, "%s: damaged: a NumPy header of %zu bytes, must be 1 to %d and in the file",
-                        path, length, ISO_NPY_MOST_HEADER);
-    return status;
+    NEED(iso_source_check_read(f, path, ISO_OK, err));
+    return got > 0 && got == length
+               ? ISO_OK
+               : iso_fail(err, ISO_E_FORMAT,
+                          "%s: damaged: a NumPy header of %zu bytes, must be 1 to %d and in the file", path, length,
+                          ISO_NPY_MOST_HEADER);
 }
 
 const char *iso_npy_value(const iso_npy *n, const char *key)
@@ -183,9 +183,9 @@ static iso_status open_array(iso_volume_source *source, npy *n, iso_error *err)
     NEED(iso_source_unit(source, "mm", "mm", &mm, err));
     NEED(iso_source_need_spacing(source, "of its voxels", err));
     *g = iso_geometry_axis_aligned(n->axes + first, (double[]){1, 1, 1});
-    iso_status status = iso_source_check_geometry(source, err);
-    TRY(status, iso_source_choose(source, &extra, err));
-    return status == ISO_OK ? iso_source_take_file(source, source->path, n->header.samples_at, err) : status;
+    NEED(iso_source_check_geometry(source, err));
+    NEED(iso_source_choose(source, &extra, err));
+    return iso_source_take_file(source, source->path, n->header.samples_at, err);
 }
 
 static iso_status open_npy(iso_volume_source *source, iso_error *err)

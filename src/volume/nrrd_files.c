@@ -45,27 +45,21 @@ static iso_status add_name(look *l, const char *name, iso_error *err)
         return iso_fail(err, ISO_E_FORMAT, "%s: its data file is \"-\", must be the name of a file", l->path);
     if (++l->count > ISO_NRRD_MOST_FILES)
         return iso_fail(err, ISO_E_RANGE, "%s: names more than %d data files", l->path, ISO_NRRD_MOST_FILES);
-    char *dir = iso_path_dir(l->path), *file = name[0] == '/' ? strdup(name) : dir ? iso_path_join(dir, name) : NULL;
+    FREED char *dir = iso_path_dir(l->path);
+    FREED char *file = name[0] == '/' ? strdup(name) : dir ? iso_path_join(dir, name) : NULL;
     struct stat st;
-    const int cause = !file ? ENOMEM : stat(file, &st) != 0 ? errno : 0;
-    iso_status status = ISO_OK;
     if (!file)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", l->path);
-    else if (cause == 0 && !S_ISREG(st.st_mode))
-        status = iso_fail(err, ISO_E_IO, "%s: its data file \"%s\" is not a regular file", l->path, shown);
-    else if (cause == 0)
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", l->path);
+    const int cause = stat(file, &st) != 0 ? errno : 0;
+    if (cause == 0 && !S_ISREG(st.st_mode))
+        return iso_fail(err, ISO_E_IO, "%s: its data file \"%s\" is not a regular file", l->path, shown);
+    if (cause == 0)
         l->bytes += (double)st.st_size;
     else if (!l->missing[0])
         snprintf(l->missing, sizeof l->missing, "\"%s\" cannot be read: %s", shown, strerror(cause));
-    TRY(status, iso_inputs_note(file, err));
-    FILE *text = status == ISO_OK && l->is_text ? fopen(file, "rbe") : NULL;
-    if (text) {
-        status = check_words(l->path, text, err);
-        fclose(text);
-    }
-    free(file);
-    free(dir);
-    return status;
+    NEED(iso_inputs_note(file, err));
+    ENDED_BY(iso_close_file) FILE *text = l->is_text ? fopen(file, "rbe") : NULL;
+    return text ? check_words(l->path, text, err) : ISO_OK;
 }
 
 /* The place of %d, %4d or %04d; NULL: there is none, and teem takes the text as it is. */
@@ -189,38 +183,32 @@ static bool is_unprintable_comment(const char *line)
 
 static iso_status look_at(look *l, FILE *header, bool *any, iso_error *err)
 {
-    char *line = NULL;
+    FREED char *line = NULL;
     size_t room = 0;
     bool list = false, ended = true;
-    iso_status status = ISO_OK;
-    for (ssize_t n; status == ISO_OK && (n = read_line(header, &line, &room, &ended)) > 0;) {
+    for (ssize_t n; (n = read_line(header, &line, &room, &ended)) > 0;) {
         if (n > MOST_LINE && may_be_quoted(line))
-            status = iso_fail(err, ISO_E_FORMAT, "%s: a line of its header has %zd bytes, at most %d", l->path, n,
-                              MOST_LINE);
-        else if (!ended) /* teem would take the bytes after it for its end */
-            status = iso_fail(err, ISO_E_FORMAT, "%s: its header ends within a line", l->path);
-        else if (strlen(line) != (size_t)n)
-            status = iso_fail(err, ISO_E_FORMAT, "%s: its header holds a byte of 0", l->path);
-        else if (is_unprintable_comment(line))
-            status = iso_fail(err, ISO_E_FORMAT, "%s: a comment of its header holds no character that can be read",
-                              l->path);
-        else
-            status = take_line(l, line, &list, any, err);
+            return iso_fail(err, ISO_E_FORMAT, "%s: a line of its header has %zd bytes, at most %d", l->path, n,
+                            MOST_LINE);
+        if (!ended) /* teem would take the bytes after it for its end */
+            return iso_fail(err, ISO_E_FORMAT, "%s: its header ends within a line", l->path);
+        if (strlen(line) != (size_t)n)
+            return iso_fail(err, ISO_E_FORMAT, "%s: its header holds a byte of 0", l->path);
+        if (is_unprintable_comment(line))
+            return iso_fail(err, ISO_E_FORMAT, "%s: a comment of its header holds no character that can be read",
+                            l->path);
+        NEED(take_line(l, line, &list, any, err));
     }
-    free(line);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status look_through(look *l, bool *any, iso_error *err)
 {
-    FILE *header = fopen(l->path, "rbe");
+    ENDED_BY(iso_close_file) FILE *header = fopen(l->path, "rbe");
     if (!header)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", l->path, strerror(errno));
-    iso_status status = look_at(l, header, any, err);
-    fclose(header);
-    if (status == ISO_OK && l->missing[0])
-        status = iso_fail(err, ISO_E_FORMAT, "%s: its data file %s", l->path, l->missing);
-    return status;
+    NEED(look_at(l, header, any, err));
+    return l->missing[0] ? iso_fail(err, ISO_E_FORMAT, "%s: its data file %s", l->path, l->missing) : ISO_OK;
 }
 
 iso_status iso_nrrd_look_at_files(const char *path, double *bytes, iso_error *err)

@@ -96,12 +96,11 @@ static iso_status choose_file(const char *path, const iso_volume_hints *hints,
 {
     const iso_volume_hints none = {0};
     const iso_extra_axes axes = {.frame = {.count = found->count}, .frame_step = found->step};
-    iso_status status = iso_frames_choose(path, hints ? hints : &none, &axes, &found->frame, err);
-    for (size_t i = 0; status == ISO_OK && i < found->count; ++i) /* all: an output of one must not replace another */
-        status = iso_inputs_note(name_of(files, i), err);
-    if (status == ISO_OK && !(found->path = strdup(name_of(files, found->frame))))
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    return status;
+    NEED(iso_frames_choose(path, hints ? hints : &none, &axes, &found->frame, err));
+    for (size_t i = 0; i < found->count; ++i) /* all: an output of one must not replace another */
+        NEED(iso_inputs_note(name_of(files, i), err));
+    found->path = strdup(name_of(files, found->frame));
+    return found->path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
 }
 
 static const char *numbered_at(const void *files, size_t i)
@@ -117,11 +116,10 @@ static const char *listed_at(const void *list, size_t i)
 static iso_status of_list(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err)
 {
     OWNED(iso_file_list) list = {0};
-    iso_status status = iso_file_list_read(path, &list, err);
+    NEED(iso_file_list_read(path, &list, err));
     found->count = list.count;
     found->step = list.step;
-    TRY(status, choose_file(path, hints, listed_at, &list, found, err));
-    return status;
+    return choose_file(path, hints, listed_at, &list, found, err);
 }
 
 iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err)
@@ -134,13 +132,11 @@ iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, 
         return of_list(path, hints, found, err);
     if (!find_place(base, &bytes) || stat(path, &st) == 0)
         return ISO_OK;
-    numbered_files files = {0};
-    iso_status status = find_files(path, base, &files) ? ISO_OK
-                                                       : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    if (status == ISO_OK && files.count == 0)
-        status = iso_fail(err, ISO_E_IO, "%s: no file has a number in this place", path);
+    ENDED_BY(free_files) numbered_files files = {0};
+    if (!find_files(path, base, &files))
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    if (files.count == 0)
+        return iso_fail(err, ISO_E_IO, "%s: no file has a number in this place", path);
     found->count = files.count;
-    TRY(status, choose_file(path, hints, numbered_at, &files, found, err));
-    free_files(&files);
-    return status;
+    return choose_file(path, hints, numbered_at, &files, found, err);
 }

@@ -178,11 +178,12 @@ static iso_status begin_counts(slab_reading *s, counts *c, iso_error *err)
     const iso_volume_stats *stats = &s->out->stats;
     c->row = malloc(s->out->header.geometry.size[0] * sizeof *c->row);
     c->fine = calloc(FINE_BINS, sizeof *c->fine);
-    iso_status status = c->row && c->fine ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for counts", s->path);
-    TRY(status, iso_value_histogram_begin(s->are_whole, stats->min, stats->max, ISO_OVERVIEW_BINS, &c->shown, err));
-    if (status == ISO_OK && s->opt->drawn_bins)
-        status = iso_value_histogram_begin(s->are_whole, stats->min, stats->max, s->opt->drawn_bins, &c->drawn, err);
-    return status;
+    if (!c->row || !c->fine)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for counts", s->path);
+    NEED(iso_value_histogram_begin(s->are_whole, stats->min, stats->max, ISO_OVERVIEW_BINS, &c->shown, err));
+    return s->opt->drawn_bins ? iso_value_histogram_begin(s->are_whole, stats->min, stats->max, s->opt->drawn_bins,
+                                                          &c->drawn, err)
+                              : ISO_OK;
 }
 
 static void end_counts(counts *c)

@@ -178,17 +178,17 @@ static iso_status open_pvti(iso_volume_source *source, iso_error *err)
     if (stat(source->path, &st) == 0 && st.st_size > MOST_BYTES)
         return iso_fail(err, ISO_E_FORMAT, "%s: a list of %.0f bytes, must be at most %d", source->path,
                         (double)st.st_size, MOST_BYTES);
-    iso_status status = iso_file_read(source->path, &text, &size, err);
-    const char *grid = status == ISO_OK ? strstr(text, "<PImageData") : NULL;
+    NEED(iso_file_read(source->path, &text, &size, err));
+    const char *grid = strstr(text, "<PImageData");
     p.ending = grid ? ".vti" : ".vtr";
-    if (status == ISO_OK && !grid)
+    if (!grid)
         grid = strstr(text, "<PRectilinearGrid");
-    if (status == ISO_OK && (!grid || !read_extent(grid, "WholeExtent", p.extent)))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no parallel grid with a WholeExtent", source->path);
-    if (status == ISO_OK && source->hints.uneven != ISO_UNEVEN_REFUSE)
-        status = iso_fail(err, ISO_E_USAGE, "%s: --resample and --force-spacing read no grid in pieces; merge them",
-                          source->path);
-    TRY(status, read_pieces(&p, text, source, err));
+    if (!grid || !read_extent(grid, "WholeExtent", p.extent))
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no parallel grid with a WholeExtent", source->path);
+    if (source->hints.uneven != ISO_UNEVEN_REFUSE)
+        return iso_fail(err, ISO_E_USAGE, "%s: --resample and --force-spacing read no grid in pieces; merge them",
+                        source->path);
+    const iso_status status = read_pieces(&p, text, source, err);
     free(p.is_filled);
     return status;
 }

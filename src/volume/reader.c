@@ -110,6 +110,13 @@ bool iso_reader_take_type(iso_volume_source *source, const char *word, size_t le
     return false;
 }
 
+iso_status iso_reader_need_type(iso_volume_source *source, const char *word, iso_error *err)
+{
+    return iso_reader_take_type(source, word, strlen(word))
+               ? ISO_OK
+               : iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path, word);
+}
+
 size_t iso_reader_numbers(const char *text, double *out, size_t most)
 {
     size_t count = 0;

@@ -27,6 +27,8 @@ bool iso_reader_attribute(const char *tag, const char *name, char *out, size_t s
 
 /* Sets the source's type by a format's word for it: of VTK, MetaImage or MRtrix, in any case. False: it is none. */
 bool iso_reader_take_type(iso_volume_source *source, const char *word, size_t length);
+/* Does the same for a whole word. ISO_E_FORMAT: it is none. */
+iso_status iso_reader_need_type(iso_volume_source *source, const char *word, iso_error *err);
 
 /* Reads numbers between spaces or commas; returns their count, at most `most`. */
 size_t iso_reader_numbers(const char *text, double *out, size_t most);

@@ -35,14 +35,14 @@ iso_status iso_rectilinear_take(iso_rectilinear *r, int axis, iso_volume_source 
 {
     const size_t count = row->header.geometry.size[0];
     FREED void *data = NULL;
-    iso_status status = read_all(row, &data, err);
-    r->at[axis] = status == ISO_OK ? malloc(count * sizeof *r->at[axis]) : NULL;
-    if (status == ISO_OK && !r->at[axis])
-        status = iso_fail(err, ISO_E_MEMORY, "%s: out of memory", row->path);
-    for (size_t i = 0; status == ISO_OK && i < count; ++i)
+    NEED(read_all(row, &data, err));
+    r->at[axis] = malloc(count * sizeof *r->at[axis]);
+    if (!r->at[axis])
+        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", row->path);
+    for (size_t i = 0; i < count; ++i)
         r->at[axis][i] = value_at(data, row->header.type, i);
     r->count[axis] = count;
-    return status;
+    return ISO_OK;
 }
 
 void iso_rectilinear_destroy(iso_rectilinear *r)

@@ -98,11 +98,9 @@ iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err
 
 static iso_status open_at(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
 {
-    iso_status status = iso_source_check_regular(path, err);
-    if (status == ISO_OK && path != source->unpacked.path) /* the packed file is noted */
-        status = iso_inputs_note(path, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_check_regular(path, err));
+    if (path != source->unpacked.path) /* the packed file is noted */
+        NEED(iso_inputs_note(path, err));
     source->file = fopen(path, "rb");
     if (!source->file)
         return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", path, strerror(errno));
@@ -194,15 +192,15 @@ iso_status iso_source_check_geometry(iso_volume_source *source, iso_error *err)
     double spacing[3], good[3];
     iso_geometry_spacing_mm(g, spacing);
     memcpy(good, spacing, sizeof good);
-    const iso_status status = iso_source_take_spacing(source, good, err);
-    for (int a = 0; a < 3 && status == ISO_OK; ++a)
+    NEED(iso_source_take_spacing(source, good, err));
+    for (int a = 0; a < 3; ++a)
         for (int r = 0; r < 3 && good[a] != spacing[a]; ++r) /* the hint gives its length: no direction is left */
             g->index_to_world.m[r][a] = r == a;
-    if (status == ISO_OK && memcmp(good, spacing, sizeof good) != 0 && !isfinite(iso_norm(g->origin_mm))) {
+    if (memcmp(good, spacing, sizeof good) != 0 && !isfinite(iso_norm(g->origin_mm))) {
         g->origin_mm = iso_v3(0, 0, 0);
         g->origin_mm = iso_scale(iso_geometry_box_center_mm(g), -1);
     }
-    return status == ISO_OK ? iso_geometry_check(g, source->path, err) : status;
+    return iso_geometry_check(g, source->path, err);
 }
 
 /* Applies the hint's spacing to each axis and keeps the box's center. */
@@ -304,7 +302,11 @@ static iso_status open_as(const iso_volume_format *f, iso_volume_source *s, iso_
                         s->part, f->title, s->part);
     if (s->hints.series && !(f->takes_series && iso_path_is_dir(s->path)))
         return refuse_series(s, err);
-    return f->open(s, err);
+    if (f->open)
+        return f->open(s, err);
+    ENDED_BY(iso_close_file) FILE *file = fopen(s->path, "rb");
+    return file ? iso_source_check_read(file, s->path, f->read(file, s, err), err)
+                : iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", s->path, strerror(errno));
 }
 
 /* Opens a file or folder whose first bytes no format recognizes, by its path. */
@@ -446,28 +448,27 @@ static iso_status finish_choice(iso_volume_source *s, iso_error *err)
 {
     /* formats with a single volume by definition make no choice */
     const iso_extra_axes one = {0};
-    const iso_status status = s->header.notes.frame_count ? ISO_OK : iso_source_choose(s, &one, err);
-    if (status == ISO_OK && s->choice.luminance)
+    if (!s->header.notes.frame_count)
+        NEED(iso_source_choose(s, &one, err));
+    if (s->choice.luminance)
         iso_source_make_floats(s);
-    return status == ISO_OK ? iso_source_skip_stored(s, s->choice.volume_at * s->header.geometry.size[2], err) : status;
+    return iso_source_skip_stored(s, s->choice.volume_at * s->header.geometry.size[2], err);
 }
 
 static iso_status open_as_stored(const char *path, const iso_volume_hints *hints, iso_volume_source **source,
                                  iso_error *err)
 {
-    iso_status status = new_source(path, hints, source, err);
-    TRY(status, iso_inputs_note((*source)->path, err));
-    TRY(status, open_by_content(*source, err));
-    TRY(status, finish_choice(*source, err));
-    if (status == ISO_OK) {
-        apply_spacing(*source);
-        (*source)->header.geometry.is_patient = (*source)->header.notes.world_is_ras;
-    }
-    if (status != ISO_OK) {
-        iso_source_close(*source);
-        *source = NULL;
-    }
-    return status;
+    ENDED_BY(iso_source_close_owned) iso_volume_source *s = NULL;
+    *source = NULL;
+    NEED(new_source(path, hints, &s, err));
+    NEED(iso_inputs_note(s->path, err));
+    NEED(open_by_content(s, err));
+    NEED(finish_choice(s, err));
+    apply_spacing(s);
+    s->header.geometry.is_patient = s->header.notes.world_is_ras;
+    *source = s;
+    s = NULL;
+    return ISO_OK;
 }
 
 /* Widens [lo, hi] by all samples of a source of doubles, which it reads to the end. */
@@ -475,15 +476,16 @@ static iso_status find_range(iso_volume_source *source, double *lo, double *hi, 
 {
     const size_t *n = source->header.geometry.size, plane = n[0] * n[1];
     FREED double *samples = malloc(plane * sizeof *samples);
-    iso_status status = samples ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", source->path);
-    for (size_t z = 0; z < n[2] && status == ISO_OK; ++z) {
-        status = iso_source_read(source, 1, samples, err);
-        for (size_t i = 0; i < plane && status == ISO_OK; ++i) {
+    if (!samples)
+        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", source->path);
+    for (size_t z = 0; z < n[2]; ++z) {
+        NEED(iso_source_read(source, 1, samples, err));
+        for (size_t i = 0; i < plane; ++i) {
             *lo = fmin(*lo, samples[i]);
             *hi = fmax(*hi, samples[i]);
         }
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Sets the type of a source of 64-bit integers by all its samples. */
@@ -500,38 +502,31 @@ static void take_narrow_type(iso_volume_source *source, double lo, double hi)
 static iso_status narrow(const char *path, const iso_volume_hints *hints, iso_volume_source *source, iso_error *err)
 {
     const iso_volume_notes *notes = &source->header.notes;
-    iso_volume_source *all;
+    ENDED_BY(iso_source_close_owned) iso_volume_source *all = NULL;
     double lo = INFINITY, hi = -INFINITY;
     if (source->form < ISO_FORM_I64 || source->scaled || notes->scale_slope != 1 || notes->scale_intercept != 0)
         return ISO_OK;
-    iso_status status = open_as_stored(path, hints, &all, err);
-    if (status == ISO_OK) {
-        status = find_range(all, &lo, &hi, err);
-        iso_source_close(all);
-    }
-    if (status == ISO_OK)
-        take_narrow_type(source, lo, hi);
-    return status;
+    NEED(open_as_stored(path, hints, &all, err));
+    NEED(find_range(all, &lo, &hi, err));
+    take_narrow_type(source, lo, hi);
+    return ISO_OK;
 }
 
 /* Finds out whether voxels have the file's fill values. Takes a pass of its own, since these change the type. */
 static iso_status find_fills(const char *path, const iso_volume_hints *hints, iso_volume_source *source, iso_error *err)
 {
-    iso_volume_source *all;
+    ENDED_BY(iso_source_close_owned) iso_volume_source *all = NULL;
     if (source->hints.no_data.is_given && !source->hints.no_data.is_none)
         iso_source_hold_no_data(source);
     if (source->look.fill_count == 0)
         return ISO_OK;
-    iso_status status = open_as_stored(path, hints, &all, err);
-    if (status == ISO_OK) {
-        status = iso_source_look_for_fills(all, &source->has_fills, err);
-        iso_source_close(all);
-    }
+    NEED(open_as_stored(path, hints, &all, err));
+    NEED(iso_source_look_for_fills(all, &source->has_fills, err));
     if (source->has_fills)
         iso_source_hold_no_data(source);
     else
         source->look.fill_count = 0;
-    return status;
+    return ISO_OK;
 }
 
 static iso_status open_one(const char *path, const iso_volume_hints *hints, iso_volume_source **source, iso_error *err)
@@ -579,12 +574,10 @@ static iso_status unpack_raw(iso_volume_source *s, const iso_raw_layout *layout,
 {
     unsigned char head[8];
     struct stat st;
-    FILE *f = fopen(s->path, "rb");
+    ENDED_BY(iso_close_file) FILE *f = fopen(s->path, "rb");
     const size_t size = f ? fread(head, 1, sizeof head, f) : 0;
     const bool is_plain = !iso_looks_packed(head, size) || stat(s->path, &st) != 0 ||
                           (double)st.st_size == (double)layout->skip_bytes + (double)iso_source_bytes(s);
-    if (f)
-        fclose(f);
     return is_plain ? ISO_OK : iso_unpack(s->path, &s->unpacked, err);
 }
 
@@ -611,49 +604,48 @@ static iso_status open_raw(iso_volume_source *s, const iso_raw_layout *layout, i
         iso_source_set_form(s, layout->form);
     s->hints.no_data = layout->no_data;
     s->header.geometry = iso_geometry_axis_aligned(layout->size, layout->spacing_mm);
-    iso_status status = iso_geometry_check(&s->header.geometry, s->path, err);
-    TRY(status, unpack_raw(s, layout, err));
-    TRY(status, take_raw(s, layout, err));
     s->swap_bytes = layout->big_endian == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
-    return status;
+    NEED(iso_geometry_check(&s->header.geometry, s->path, err));
+    NEED(unpack_raw(s, layout, err));
+    return take_raw(s, layout, err);
 }
 
 static iso_status open_raw_as_stored(const char *path, const iso_raw_layout *layout, iso_volume_source **source,
                                      iso_error *err)
 {
-    iso_status status = new_source(path, NULL, source, err);
-    if (status == ISO_OK && iso_path_is_dir(path))
-        status = iso_fail(err, ISO_E_IO, "%s: is not a regular file", path);
-    TRY(status, open_raw(*source, layout, err));
-    if (status != ISO_OK) {
-        iso_source_close(*source);
-        *source = NULL;
-    }
-    return status;
+    ENDED_BY(iso_source_close_owned) iso_volume_source *s = NULL;
+    *source = NULL;
+    NEED(new_source(path, NULL, &s, err));
+    if (iso_path_is_dir(path))
+        return iso_fail(err, ISO_E_IO, "%s: is not a regular file", path);
+    NEED(open_raw(s, layout, err));
+    *source = s;
+    s = NULL;
+    return ISO_OK;
 }
 
 /* Reads integers of 64 bits to their end and opens them again, as narrow() does. */
 static iso_status narrow_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source, iso_error *err)
 {
     double lo = INFINITY, hi = -INFINITY;
-    iso_status status = find_range(*source, &lo, &hi, err);
+    const iso_status status = find_range(*source, &lo, &hi, err);
     iso_source_close(*source);
     *source = NULL;
-    TRY(status, open_raw_as_stored(path, layout, source, err));
-    if (status == ISO_OK)
-        take_narrow_type(*source, lo, hi);
-    return status;
+    NEED(status);
+    NEED(open_raw_as_stored(path, layout, source, err));
+    take_narrow_type(*source, lo, hi);
+    return ISO_OK;
 }
 
 iso_status iso_source_open_raw(const char *path, const iso_raw_layout *layout, iso_volume_source **source,
                                iso_error *err)
 {
-    iso_status status = open_raw_as_stored(path, layout, source, err);
-    if (status == ISO_OK && layout->form >= ISO_FORM_I64)
-        status = narrow_raw(path, layout, source, err);
-    if (status == ISO_OK && layout->no_data.is_given && !layout->no_data.is_none)
+    NEED(open_raw_as_stored(path, layout, source, err));
+    if (layout->form >= ISO_FORM_I64)
+        NEED(narrow_raw(path, layout, source, err));
+    if (layout->no_data.is_given && !layout->no_data.is_none)
         iso_source_hold_no_data(*source);
-    return status;
+    return ISO_OK;
 }
 
 const iso_volume_format iso_volume_format_raw = {

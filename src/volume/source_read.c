@@ -228,10 +228,10 @@ iso_status iso_source_read(iso_volume_source *s, size_t plane_count, void *out, 
 
 iso_status iso_source_skip(iso_volume_source *s, size_t plane_count, iso_error *err)
 {
-    iso_status status = check_count(s, plane_count, err);
-    TRY(status, iso_source_skip_stored(s, plane_count, err));
-    s->planes_done += status == ISO_OK ? plane_count : 0;
-    return status;
+    NEED(check_count(s, plane_count, err));
+    NEED(iso_source_skip_stored(s, plane_count, err));
+    s->planes_done += plane_count;
+    return ISO_OK;
 }
 
 void iso_source_close(iso_volume_source *s)

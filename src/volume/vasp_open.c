@@ -5,7 +5,6 @@
  * Densities are stored times the cell's volume: the scale divides by it. */
 #define _GNU_SOURCE
 #include <ctype.h>
-#include <errno.h>
 #include <math.h>
 #include <string.h>
 
@@ -89,43 +88,29 @@ static bool is_vasp(const char *path)
     vasp v;
     if (row_of(path) == FILES)
         return false;
-    FILE *f = fopen(path, "rb");
-    const bool is_one = !f || read_header(f, &v) || ferror(f); /* a read error is reported on opening */
-    if (f)
-        fclose(f);
-    return is_one;
+    ENDED_BY(iso_close_file) FILE *f = fopen(path, "rb");
+    return !f || read_header(f, &v) || ferror(f); /* a read error is reported on opening */
 }
 
-static iso_status take_grid(FILE *f, vasp *v, iso_volume_source *source, iso_error *err)
-{
-    double step[3][3], first[3] = {0, 0, 0};
-    const size_t row = row_of(source->path);
-    for (int a = 0; a < 3; ++a) {
-        if (v->size[a] < 1)
-            return iso_fail(err, ISO_E_RANGE, "%s: axis %d has size 0, must be at least 1", source->path, a + 1);
-        for (int r = 0; r < 3; ++r)
-            step[a][r] = v->cell[a][r] / (double)v->size[a];
-    }
-    source->header.type = ISO_F32;
-    iso_status status = iso_reader_place(source, v->size, step, first, "angstrom", err);
-    TRY(status, iso_source_take_text(source, f, (iso_text_layout){.anything_follows = true}, err));
-    if (status == ISO_OK && row < FILES && files[row].is_density)
-        source->header.notes.scale_slope = 1 / fabs(determinant(v->cell));
-    return status;
-}
-
-static iso_status open_vasp(iso_volume_source *source, iso_error *err)
+static iso_status read_vasp(FILE *f, iso_volume_source *source, iso_error *err)
 {
     vasp v = {0};
-    FILE *f = fopen(source->path, "rb");
-    if (!f)
-        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
-    iso_status status = read_header(f, &v)
-                            ? take_grid(f, &v, source, err)
-                            : iso_fail(err, ISO_E_FORMAT, "%s: truncated before the grid of a VASP file", source->path);
-    status = iso_source_check_read(f, source->path, status, err);
-    fclose(f);
-    return status;
+    double step[3][3], first[3] = {0, 0, 0};
+    const size_t row = row_of(source->path);
+    if (!read_header(f, &v))
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated before the grid of a VASP file", source->path);
+    for (int a = 0; a < 3; ++a) {
+        if (v.size[a] < 1)
+            return iso_fail(err, ISO_E_RANGE, "%s: axis %d has size 0, must be at least 1", source->path, a + 1);
+        for (int r = 0; r < 3; ++r)
+            step[a][r] = v.cell[a][r] / (double)v.size[a];
+    }
+    source->header.type = ISO_F32;
+    NEED(iso_reader_place(source, v.size, step, first, "angstrom", err));
+    NEED(iso_source_take_text(source, f, (iso_text_layout){.anything_follows = true}, err));
+    if (row < FILES && files[row].is_density)
+        source->header.notes.scale_slope = 1 / fabs(determinant(v.cell));
+    return ISO_OK;
 }
 
 const iso_volume_format iso_volume_format_vasp = {
@@ -135,5 +120,5 @@ const iso_volume_format iso_volume_format_vasp = {
     .suffixes = ".vasp",
     .starts = "a cell and its atoms, named CHGCAR, LOCPOT or the like",
     .probe_path = is_vasp,
-    .open = open_vasp,
+    .read = read_vasp,
 };

@@ -271,8 +271,8 @@ iso_status iso_volume_load(const char *path, iso_volume *v, iso_error *err)
 {
     *v = (iso_volume){0};
     iso_volume_source *source;
-    iso_status status = iso_source_open(path, &source, err);
-    return status == ISO_OK ? iso_volume_load_source(source, path, v, err) : status;
+    NEED(iso_source_open(path, &source, err));
+    return iso_volume_load_source(source, path, v, err);
 }
 
 iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, iso_volume *v, iso_error *err)

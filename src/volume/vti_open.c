@@ -217,16 +217,14 @@ static iso_status take_geometry(vti *v, iso_volume_source *source, iso_error *er
     size_t size[3];
     const size_t points[3] = {points_along(v, 0), points_along(v, 1), points_along(v, 2)};
     double mm, first[3], spacing[3];
-    iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
-    if (status == ISO_OK && v->coordinates.at[0]) {
-        status = iso_rectilinear_measure(&v->coordinates, source, points, v->origin, v->spacing, err);
+    NEED(iso_source_unit(source, NULL, "mm", &mm, err));
+    if (v->coordinates.at[0]) {
+        NEED(iso_rectilinear_measure(&v->coordinates, source, points, v->origin, v->spacing, err));
         for (int a = 0; a < 3; ++a) /* of the first sample, not of index 0 */
             v->origin[a] -= (double)v->extent[2 * a] * v->spacing[a];
     }
     memcpy(spacing, v->spacing, sizeof spacing); /* 1 if the file gives none, as VTK has it */
-    TRY(status, iso_source_take_spacing(source, spacing, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_take_spacing(source, spacing, err));
     for (int a = 0; a < 3; ++a) {
         size[a] = points[a] - (v->of_cells && points[a] > 0);
         first[a] = (double)v->extent[2 * a] - (v->of_cells ? 0 : 0.5);
@@ -343,19 +341,13 @@ static iso_status take_appended(const vti *v, iso_volume_source *source, iso_err
     const size_t at = (size_t)(v->appended - v->text) + v->values.offset;
     if (strcmp(v->encoding, "raw") == 0 && !v->packed)
         return iso_source_take_part(source, source->path, at + v->length_bytes, err);
-    char *all;
+    FREED char *all = NULL;
     size_t size;
-    iso_status status = iso_file_read(source->path, &all, &size, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_file_read(source->path, &all, &size, err));
     if (at >= size)
-        status = iso_fail(err, ISO_E_FORMAT, "%s: truncated before its samples at byte %zu", source->path, at);
-    else if (strcmp(v->encoding, "raw") == 0)
-        status = take_bytes(v, source, (unsigned char *)all + at, size - at, err);
-    else
-        status = take_base64(v, source, all + at, err);
-    free(all);
-    return status;
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated before its samples at byte %zu", source->path, at);
+    return strcmp(v->encoding, "raw") == 0 ? take_bytes(v, source, (unsigned char *)all + at, size - at, err)
+                                           : take_base64(v, source, all + at, err);
 }
 
 static iso_status take_samples(const vti *v, iso_volume_source *source, iso_error *err)
@@ -407,22 +399,23 @@ static iso_status take_coordinates(vti *v, const iso_volume_source *source, iso_
     return ISO_OK;
 }
 
+static void release(vti *v)
+{
+    iso_rectilinear_destroy(&v->coordinates);
+    free(v->text);
+}
+
 static iso_status open_vti(iso_volume_source *source, iso_error *err)
 {
-    vti v = {0};
-    iso_status status = read_text(source->path, &v, err);
-    TRY(status, parse(&v, source->path, source->hints.is_piece, err));
-    if (status == ISO_OK && !iso_reader_take_type(source, v.values.type, strlen(v.values.type)))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
-                          v.values.type);
-    TRY(status, take_coordinates(&v, source, err));
-    TRY(status, take_geometry(&v, source, err));
-    TRY(status, iso_source_choose(source, &v.axes, err));
-    TRY(status, take_samples(&v, source, err));
-    TRY(status, iso_rectilinear_resample(&v.coordinates, source, err));
-    iso_rectilinear_destroy(&v.coordinates);
-    free(v.text);
-    return status;
+    ENDED_BY(release) vti v = {0};
+    NEED(read_text(source->path, &v, err));
+    NEED(parse(&v, source->path, source->hints.is_piece, err));
+    NEED(iso_reader_need_type(source, v.values.type, err));
+    NEED(take_coordinates(&v, source, err));
+    NEED(take_geometry(&v, source, err));
+    NEED(iso_source_choose(source, &v.axes, err));
+    NEED(take_samples(&v, source, err));
+    return iso_rectilinear_resample(&v.coordinates, source, err);
 }
 
 static bool starts_like_vti(const unsigned char *head, size_t size)

@@ -2,7 +2,6 @@
 /* vtk_open.c - VTK's legacy files: lines of words, then samples, big-endian or as text; structured points, and
  * rectilinear grids (rectilinear.h). */
 #define _GNU_SOURCE
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -139,13 +138,11 @@ static iso_status take_geometry(vtk_header *h, iso_volume_source *source, iso_er
     iso_geometry *g = &source->header.geometry;
     size_t size[3];
     double mm, spacing[3], corner[3];
-    iso_status status = iso_source_unit(source, NULL, "mm", &mm, err);
-    if (status == ISO_OK && strcmp(h->dataset, "RECTILINEAR_GRID") == 0)
-        status = iso_rectilinear_measure(&h->coordinates, source, h->points, h->origin, h->spacing, err);
+    NEED(iso_source_unit(source, NULL, "mm", &mm, err));
+    if (strcmp(h->dataset, "RECTILINEAR_GRID") == 0)
+        NEED(iso_rectilinear_measure(&h->coordinates, source, h->points, h->origin, h->spacing, err));
     memcpy(spacing, h->spacing, sizeof spacing); /* 1 if the file gives none, as VTK has it */
-    TRY(status, iso_source_take_spacing(source, spacing, err));
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_source_take_spacing(source, spacing, err));
     for (int a = 0; a < 3; ++a) {
         size[a] = h->of_cells && h->points[a] > 0 ? h->points[a] - 1 : h->points[a];
         spacing[a] *= mm;
@@ -156,31 +153,28 @@ static iso_status take_geometry(vtk_header *h, iso_volume_source *source, iso_er
     return iso_source_check_geometry(source, err);
 }
 
-static iso_status open_vtk(iso_volume_source *source, iso_error *err)
+/* Reads the header and finds the samples; leaves coordinates to be released also on failure. */
+static iso_status read_samples(FILE *f, vtk_header *h, iso_volume_source *source, iso_error *err)
+{
+    NEED(read_header(f, source->path, h, err));
+    NEED(iso_reader_need_type(source, h->type, err));
+    NEED(take_geometry(h, source, err));
+    /* Bytes are always written as colors: three or four of them count as such. */
+    const iso_extra_axes axes = {.channel = {.count = (size_t)h->components, .inside = true, .stride = 1},
+                                 .is_color = h->is_color && h->components >= 3 && h->components <= 4};
+    NEED(iso_source_choose(source, &axes, err));
+    if (h->is_text)
+        return iso_source_take_text(source, f, (iso_text_layout){.words_follow = true}, err);
+    source->swap_bytes = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && iso_type_bytes(source->header.type) > 1;
+    return iso_source_take_part(source, source->path, (size_t)ftello(f), err);
+}
+
+static iso_status read_vtk(FILE *f, iso_volume_source *source, iso_error *err)
 {
     vtk_header h;
-    FILE *f = fopen(source->path, "rb");
-    if (!f)
-        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
-    iso_status status = read_header(f, source->path, &h, err);
-    if (status == ISO_OK && !iso_reader_take_type(source, h.type, strlen(h.type)))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
-                          h.type);
-    TRY(status, take_geometry(&h, source, err));
-    /* Bytes are always written as colors: three or four of them count as such. */
-    const iso_extra_axes axes = {.channel = {.count = (size_t)h.components, .inside = true, .stride = 1},
-                                 .is_color = h.is_color && h.components >= 3 && h.components <= 4};
-    TRY(status, iso_source_choose(source, &axes, err));
-    source->swap_bytes = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && iso_type_bytes(source->header.type) > 1;
-    if (status == ISO_OK && h.is_text) {
-        source->swap_bytes = false;
-        status = iso_source_take_text(source, f, (iso_text_layout){.words_follow = true}, err);
-    } else if (status == ISO_OK)
-        status = iso_source_take_part(source, source->path, (size_t)ftello(f), err);
-    status = iso_source_check_read(f, source->path, status, err);
+    iso_status status = iso_source_check_read(f, source->path, read_samples(f, &h, source, err), err);
     TRY(status, iso_rectilinear_resample(&h.coordinates, source, err));
     iso_rectilinear_destroy(&h.coordinates);
-    fclose(f);
     return status;
 }
 
@@ -191,5 +185,5 @@ const iso_volume_format iso_volume_format_vtk = {
     .suffixes = ".vtk",
     .starts = "\"# vtk DataFile\"",
     .probe = starts_like_vtk,
-    .open = open_vtk,
+    .read = read_vtk,
 };

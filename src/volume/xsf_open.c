@@ -2,7 +2,6 @@
 /* xsf_open.c - XCrySDen's files: the grid after BEGIN_DATAGRID_3D, in angstrom, as text, x fastest. Its three
  * vectors span from the first sample to the last, which periodic grids have on both sides. */
 #define _GNU_SOURCE
-#include <errno.h>
 #include <string.h>
 
 #include "base/file.h"
@@ -61,25 +60,16 @@ static iso_status take_geometry(iso_volume_source *source, const size_t size[3],
     return iso_source_check_geometry(source, err);
 }
 
-static iso_status open_xsf(iso_volume_source *source, iso_error *err)
+static iso_status read_xsf(FILE *f, iso_volume_source *source, iso_error *err)
 {
     size_t size[3];
     double origin[3], span[3][3];
-    FILE *f = fopen(source->path, "rb");
-    if (!f)
-        return iso_fail(err, iso_errno_status(), "%s: cannot be opened: %s", source->path, strerror(errno));
-    iso_status status = ISO_OK;
     if (!find_grid(f) || !read_grid(f, size, origin, span))
-        status = iso_fail(err, ISO_E_FORMAT,
-                          "%s: truncated before the values of an XSF file, or of less than 2 samples", source->path);
-    TRY(status, take_geometry(source, size, origin, span, err));
-    if (status == ISO_OK)
-        status = iso_source_take_text(source, f, (iso_text_layout){.words_follow = true}, err);
-    if (status == ISO_OK && find_grid(f))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: has several grids, must be one", source->path);
-    status = iso_source_check_read(f, source->path, status, err);
-    fclose(f);
-    return status;
+        return iso_fail(err, ISO_E_FORMAT, "%s: truncated before the values of an XSF file, or of less than 2 samples",
+                        source->path);
+    NEED(take_geometry(source, size, origin, span, err));
+    NEED(iso_source_take_text(source, f, (iso_text_layout){.words_follow = true}, err));
+    return find_grid(f) ? iso_fail(err, ISO_E_FORMAT, "%s: has several grids, must be one", source->path) : ISO_OK;
 }
 
 const iso_volume_format iso_volume_format_xsf = {
@@ -89,5 +79,5 @@ const iso_volume_format iso_volume_format_xsf = {
     .suffixes = ".xsf",
     .starts = "a line BEGIN_DATAGRID_3D, named .xsf",
     .probe_path = is_xsf,
-    .open = open_xsf,
+    .read = read_xsf,
 };
