@@ -10,11 +10,128 @@
 #include "base/file.h"
 #include "base/provenance.h"
 #include "base/words.h"
+#include "brick/lattice.h"
+#include "encode/code.h"
 #include "povray/df3.h"
-#include "povray/lattice_samples.h"
-#include "pyramid/narrow.h"
 #include "povray/scene_parts.h"
+#include "pyramid/narrow.h"
 #include "scene/roi.h"
+
+/* ---- samples of a lattice ---- */
+
+/* A sparse lattice as samples of DF3 files, row by row, without making a dense level. Private to
+ * exporters/povray. */
+
+typedef struct lattice_samples {
+    const iso_lattice *lattice; /* borrowed */
+    iso_code code;              /* directions are encoded and decoded, as a level's are */
+    float unlit[3];             /* value of nodes without a direction */
+} lattice_samples;
+
+static lattice_samples lattice_samples_of(const iso_lattice *l, iso_code code)
+{
+    lattice_samples s = {.lattice = l, .code = code};
+    uint8_t none[8];
+    iso_code_encode(code, l->empty + 1, none, 1);
+    iso_code_decode_all(code, none, s.unlit, 1);
+    return s;
+}
+
+/* Blocks along a row. */
+typedef struct row_blocks {
+    iso_lattice_block *const *first;
+    size_t in_x, in_row; /* in the first block: index of the first node, and of the row's start */
+} row_blocks;
+
+static row_blocks blocks_of(const iso_lattice *l, size_t first)
+{
+    const size_t *n = l->size, x = first % n[0], y = first / n[0] % n[1], z = first / (n[0] * n[1]);
+    size_t in;
+    iso_lattice_block *const *block = iso_lattice_block_of(l, x, y, z, &in);
+    return (row_blocks){block, in % ISO_LATTICE_SIDE, in - in % ISO_LATTICE_SIDE};
+}
+
+/* Nodes of a row that lie in one block; NULL if the block has no active node. */
+typedef struct block_run {
+    const iso_lattice_block *block;
+    size_t in, count;
+} block_run;
+
+/* Finds the run that starts at the row's node `done`. */
+static block_run run_at(const row_blocks *r, size_t done, size_t count)
+{
+    const size_t x = (r->in_x + done) % ISO_LATTICE_SIDE, left = ISO_LATTICE_SIDE - x;
+    return (block_run){r->first[(r->in_x + done) / ISO_LATTICE_SIDE], r->in_row + x,
+                       left < count - done ? left : count - done};
+}
+
+/* Copies a float, or three, of each of `count` nodes from number `first` on, all in one row of the lattice's box. */
+static void lattice_samples_scalars(const lattice_samples *s, size_t first, size_t count, float *restrict out)
+{
+    const row_blocks row = blocks_of(s->lattice, first);
+    for (size_t done = 0; done < count;) {
+        const block_run run = run_at(&row, done, count);
+        for (size_t i = 0; i < run.count; ++i)
+            out[done + i] = run.block ? run.block->nodes[run.in + i][0] : s->lattice->empty[0];
+        done += run.count;
+    }
+}
+
+/* Number of lit directions that are coded at once. */
+enum { BATCH = 256 };
+typedef struct lit_batch {
+    float directions[3 * BATCH];
+    size_t places[BATCH], count;
+} lit_batch;
+
+static void code_batch(iso_code code, lit_batch *b, float *restrict out)
+{
+    uint8_t bytes[8 * BATCH];
+    iso_code_encode(code, b->directions, bytes, b->count);
+    iso_code_decode_all(code, bytes, b->directions, b->count);
+    for (size_t i = 0; i < b->count; ++i)
+        memcpy(out + 3 * b->places[i], b->directions + 3 * i, 3 * sizeof *out);
+    b->count = 0;
+}
+
+/* Codes a batch as soon as it could not hold all nodes of another block. */
+static void lattice_samples_directions(const lattice_samples *s, size_t first, size_t count, float *restrict out)
+{
+    const row_blocks row = blocks_of(s->lattice, first);
+    lit_batch b;
+    b.count = 0;
+    for (size_t done = 0; done < count;) {
+        const block_run run = run_at(&row, done, count);
+        for (size_t i = 0; i < run.count; ++i, ++done) {
+            if (!run.block || run.block->use[run.in + i] != ISO_LATTICE_LIT) {
+                memcpy(out + 3 * done, s->unlit, sizeof s->unlit);
+                continue;
+            }
+            memcpy(b.directions + 3 * b.count, run.block->nodes[run.in + i] + 1, 3 * sizeof *out);
+            b.places[b.count++] = done;
+        }
+        if (b.count + ISO_LATTICE_SIDE > BATCH)
+            code_batch(s->code, &b, out);
+    }
+    code_batch(s->code, &b, out);
+}
+
+/* Implements iso_df3_source.run: nodes of a block without active nodes are all equal. */
+static size_t lattice_samples_run(const lattice_samples *s, size_t first, size_t count, bool *same)
+{
+    const row_blocks row = blocks_of(s->lattice, first);
+    size_t done = 0;
+    *same = !row.first[0];
+    while (done < count) {
+        const block_run run = run_at(&row, done, count);
+        if (!run.block != *same)
+            break;
+        done += run.count;
+    }
+    return done;
+}
+
+/* ---- files ---- */
 
 char *iso_povray_file_path(const char *dir, const char *name, const char *suffix)
 {
@@ -115,8 +232,8 @@ typedef struct layer_reader {
     const iso_level *level;
     const iso_volume *volume; /* scalars of level 0 if it has none */
     const uint8_t *bytes;
-    iso_narrow_codes *made;      /* codes made slab by slab if it has none */
-    iso_lattice_samples lattice; /* samples of the level */
+    iso_narrow_codes *made;  /* codes made slab by slab if it has none */
+    lattice_samples lattice; /* samples of the level */
 } layer_reader;
 
 /* ISO_NO_DATA lies below the coding's range: its sample is 0. */
@@ -168,17 +285,17 @@ static const iso_lattice *lattice_of(const iso_povray_scene *s)
 
 static void read_lattice_scalars(const void *user, size_t first, size_t count, float *out)
 {
-    iso_lattice_samples_scalars(&((const layer_reader *)user)->lattice, first, count, out);
+    lattice_samples_scalars(&((const layer_reader *)user)->lattice, first, count, out);
 }
 
 static void read_lattice_directions(const void *user, size_t first, size_t count, float *out)
 {
-    iso_lattice_samples_directions(&((const layer_reader *)user)->lattice, first, count, out);
+    lattice_samples_directions(&((const layer_reader *)user)->lattice, first, count, out);
 }
 
 static size_t lattice_run(const void *user, size_t first, size_t count, bool *same)
 {
-    return iso_lattice_samples_run(&((const layer_reader *)user)->lattice, first, count, same);
+    return lattice_samples_run(&((const layer_reader *)user)->lattice, first, count, same);
 }
 
 /* Writes one file per suffix. */
@@ -216,7 +333,7 @@ static iso_status write_directions(const iso_pyramid *p, const iso_povray_scene 
     OWNED(iso_narrow_codes) made = {0};
     layer_reader r = {.code = p->options.code, .level = s->voxels, .made = makes ? &made : NULL};
     if (lattice)
-        r.lattice = iso_lattice_samples_of(lattice, r.code);
+        r.lattice = lattice_samples_of(lattice, r.code);
     iso_progress_report(progress, "povray: writing DF3", 0.25);
     if (makes)
         NEED(iso_narrow_codes_begin(&made, p, s->options->volume, err));
@@ -354,7 +471,7 @@ static iso_status write_layer(const iso_pyramid *p, const iso_povray_scene *s, c
     const iso_lattice *lattice = lattice_of(s);
     layer_reader r = {.level = s->voxels, .volume = s->options->volume};
     if (lattice)
-        r.lattice = iso_lattice_samples_of(lattice, p->options.code);
+        r.lattice = lattice_samples_of(lattice, p->options.code);
     NEED(write_samples(s, &r, lattice ? read_lattice_scalars : read_scalars, &suffix, 1, &s->scalar, dir, err));
     NEED(write_directions(p, s, dir, progress, err));
     if (!s->options->isosurface)

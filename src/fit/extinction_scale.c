@@ -1,13 +1,155 @@
 /* SPDX-License-Identifier: MIT */
 #include "fit/extinction_scale.h"
 
+#include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/simd.h"
 #include "fit/interpolation.h"
-#include "fit/opacity_kernel.h"
 #include "tf/level_look.h"
+
+/* ---- opacities of rows of values, in float ---- */
+
+/* Opacities of rows of values, in float. */
+
+/* A transfer function's optical depth over one length, in powers of two: opacity = 1 - 2^-depth. Linear between
+ * entries, constant beyond them. */
+typedef struct depth_table {
+    float lo, entries_per_value, last; /* the value of entry 0; and the number of the last entry */
+    const float *depth, *slope;        /* of an entry; to the next one */
+    const float *sum, *rest;           /* the integral up to an entry, and its remainder after rounding to a float */
+} depth_table;
+
+
+/* Computes the length of the gradient, in values per voxel: central differences of the row in the middle and of its
+ * four neighbors, low and high along y and z. Rows have n voxels. The first and the last have one-sided differences
+ * unless the row goes on there. */
+typedef struct stencil_rows {
+    const float *middle, *y[2], *z[2];
+    float y_scale, z_scale; /* 1 / the distance between both */
+} stencil_rows;
+
+/* Returns 2^x for |x| < 126, relative error below 2e-7: the nearest whole power and a polynomial of the rest (Cephes'
+ * exp2f). */
+static inline __attribute__((always_inline)) float power_of_two(float x)
+{
+    const int32_t biased = (int32_t)(x + 127.5f);
+    const float f = x - (float)(biased - 127);
+    const uint32_t bits = (uint32_t)biased << 23;
+    float whole;
+    memcpy(&whole, &bits, sizeof whole);
+    float p = 1.535336188319500e-4f;
+    p = p * f + 1.339887440266574e-3f;
+    p = p * f + 9.618437357674640e-3f;
+    p = p * f + 5.550332471162809e-2f;
+    p = p * f + 2.402264791363012e-1f;
+    p = p * f + 6.931472028550421e-1f;
+    return whole * (p * f + 1);
+}
+
+/* A place in the table, and the integral from its entry to there. */
+typedef struct place {
+    int32_t entry;
+    float part;
+} place;
+
+static inline __attribute__((always_inline)) place place_of(const depth_table *t, float x)
+{
+    float inside = x > 0 ? x : 0;
+    inside = inside < t->last ? inside : t->last;
+    const int32_t i = (int32_t)inside;
+    const float f = inside - (float)i, depth = t->depth[i] + f * t->slope[i];
+    return (place){i, f * 0.5f * (t->depth[i] + depth) + (x - inside) * depth};
+}
+
+/* Returns the mean depth over a range. Narrow ranges are widened a little: their integral would be all rounding. */
+static inline __attribute__((always_inline)) float depth_of(const depth_table *t, float value, float width)
+{
+    const float narrow = 1.0f / 64, wide = width * t->entries_per_value;
+    const float range = wide > narrow ? wide : narrow, x = (value - t->lo) * t->entries_per_value;
+    const place a = place_of(t, x - 0.5f * range), b = place_of(t, x + 0.5f * range);
+    const float whole = (t->sum[b.entry] - t->sum[a.entry]) + (t->rest[b.entry] - t->rest[a.entry]);
+    const float depth = (whole + (b.part - a.part)) / range;
+    return depth > 0 ? depth : 0;
+}
+
+static inline __attribute__((always_inline)) float opacity_of(float depth)
+{
+    return 1 - power_of_two(depth < 125 ? -depth : -125.0f);
+}
+
+/* Computes the opacity of n voxels, each of which holds the values from value - width / 2 to value + width / 2 in equal
+ * parts: its depth is the mean over them. */
+ISO_SIMD static void opacity_row(const depth_table *table, const float *restrict value, const float *restrict width,
+                                 size_t n, float *restrict alpha)
+{
+    const depth_table t = *table;
+    for (size_t i = 0; i < n; ++i)
+        alpha[i] = opacity_of(depth_of(&t, value[i], width[i]));
+}
+
+/* Computes the same with 2^octaves times the depth. */
+ISO_SIMD static void opacity_row_scaled(const depth_table *table, const float *restrict value,
+                                        const float *restrict width, const float *restrict octaves, size_t n,
+                                        float *restrict alpha)
+{
+    const depth_table t = *table;
+    for (size_t i = 0; i < n; ++i)
+        alpha[i] = opacity_of(depth_of(&t, value[i], width[i]) * power_of_two(octaves[i]));
+}
+
+ISO_SIMD static void slope_inside(const stencil_rows *r, size_t first, size_t count, float *restrict slope)
+{
+    const float *restrict m = r->middle + first;
+    const float *restrict y0 = r->y[0] + first, *restrict y1 = r->y[1] + first;
+    const float *restrict z0 = r->z[0] + first, *restrict z1 = r->z[1] + first;
+    const float sy = r->y_scale, sz = r->z_scale;
+    for (size_t i = 0; i < count; ++i) {
+        const float x = 0.5f * (m[i + 1] - (m - 1)[i]), y = sy * (y1[i] - y0[i]), z = sz * (z1[i] - z0[i]);
+        slope[i] = __builtin_sqrtf(x * x + y * y + z * z);
+    }
+}
+
+/* Returns the slope at an end of a row; along x it is the difference between the voxels `from` and `to`. */
+static float slope_at_end(const stencil_rows *r, size_t at, size_t from, size_t to)
+{
+    const float x = r->middle[to] - r->middle[from], y = r->y_scale * (r->y[1][at] - r->y[0][at]),
+                z = r->z_scale * (r->z[1][at] - r->z[0][at]);
+    return __builtin_sqrtf(x * x + y * y + z * z);
+}
+
+static void slope_row(const stencil_rows *rows, size_t first, size_t count, size_t row_length, float *restrict slope)
+{
+    const size_t end = first + count, begin_inside = first > 0 ? first : 1;
+    const size_t end_inside = end < row_length ? end : row_length - 1;
+    if (begin_inside < end_inside)
+        slope_inside(rows, begin_inside, end_inside - begin_inside, slope + (begin_inside - first));
+    if (first == 0)
+        slope[0] = slope_at_end(rows, 0, 0, row_length > 1 ? 1 : 0);
+    if (end == row_length)
+        slope[count - 1] = slope_at_end(rows, end - 1, row_length > 1 ? end - 2 : 0, end - 1);
+}
+
+/* Returns sum (a - b)^2. */
+ISO_SIMD static float square_distance(const float *restrict a, const float *restrict b, size_t n)
+{
+    enum { lanes = 8 };
+    float part[lanes] = {0}, sum = 0;
+    size_t i = 0;
+    for (; i + lanes <= n; i += lanes)
+        for (size_t k = 0; k < lanes; ++k)
+            part[k] += (a[i + k] - b[i + k]) * (a[i + k] - b[i + k]);
+    for (size_t k = 0; i + k < n; ++k)
+        part[k] += (a[i + k] - b[i + k]) * (a[i + k] - b[i + k]);
+    for (size_t k = 0; k < lanes; ++k)
+        sum += part[k];
+    return sum;
+}
+
+/* ---- scales ---- */
 
 enum { ROUNDS = 3, SCRATCH_ROWS = 3 };
 
@@ -57,16 +199,16 @@ static const float *fine_row(const iso_extinction_scaler *s, const iso_fine_row 
 }
 
 /* Returns the rows next to a row of a level. At the grid's faces one of the two is the row itself. */
-static iso_stencil_rows stencil_of(const iso_level *l, size_t y, size_t z)
+static stencil_rows stencil_of(const iso_level *l, size_t y, size_t z)
 {
     const size_t *n = l->geometry.size, row = n[0], plane = row * n[1];
     const float *middle = l->scalar + y * row + z * plane;
     const bool low[2] = {y > 0, z > 0}, high[2] = {y + 1 < n[1], z + 1 < n[2]};
-    return (iso_stencil_rows){.middle = middle,
-                              .y = {low[0] ? middle - row : middle, high[0] ? middle + row : middle},
-                              .z = {low[1] ? middle - plane : middle, high[1] ? middle + plane : middle},
-                              .y_scale = low[0] && high[0] ? 0.5f : 1,
-                              .z_scale = low[1] && high[1] ? 0.5f : 1};
+    return (stencil_rows){.middle = middle,
+                          .y = {low[0] ? middle - row : middle, high[0] ? middle + row : middle},
+                          .z = {low[1] ? middle - plane : middle, high[1] ? middle + plane : middle},
+                          .y_scale = low[0] && high[0] ? 0.5f : 1,
+                          .z_scale = low[1] && high[1] ? 0.5f : 1};
 }
 
 /* Measures slopes of the level per fine voxel. */
@@ -78,9 +220,9 @@ static void measure_slopes(iso_extinction_scaler *s)
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t z = 0; z < n[2]; ++z)
         for (size_t y = 0; y < n[1]; ++y) {
-            const iso_stencil_rows rows = stencil_of(s->coarse, y, z);
+            const stencil_rows rows = stencil_of(s->coarse, y, z);
             float *slope = s->slope + n[0] * (y + n[1] * z);
-            iso_slope_row(&rows, 0, n[0], n[0], slope);
+            slope_row(&rows, 0, n[0], n[0], slope);
             for (size_t x = 0; x < n[0]; ++x)
                 slope[x] *= part;
         }
@@ -88,8 +230,8 @@ static void measure_slopes(iso_extinction_scaler *s)
 
 static void fine_slopes(const iso_extinction_scaler *s, const iso_fine_row *row, float *slope)
 {
-    const iso_stencil_rows rows = stencil_of(s->fine, row->y, row->z);
-    iso_slope_row(&rows, row->x, row->count, s->map.axis[0].fine_size, slope);
+    const stencil_rows rows = stencil_of(s->fine, row->y, row->z);
+    slope_row(&rows, row->x, row->count, s->map.axis[0].fine_size, slope);
 }
 
 static void note_ranges(void *context, const iso_fine_row *row)
@@ -165,7 +307,7 @@ iso_status iso_extinction_scaler_create(const iso_level *fine, const iso_level *
 
 /* A transfer function for the kernels, and how many of its entries below each one show anything. */
 typedef struct shown_tf {
-    iso_depth_table table;
+    depth_table table;
     float *owned;
     uint32_t *shown_below; /* an entry more than there are */
 } shown_tf;
@@ -195,17 +337,17 @@ static iso_status shown_tf_create(shown_tf *t, const iso_tf_table *tf, double le
         rest[i] = (float)(integral - (double)sum[i]);
         integral += (double)depth[i] + 0.5 * (double)slope[i];
     }
-    t->table = (iso_depth_table){.lo = (float)tf->lo,
-                                 .entries_per_value = (float)((double)(n - 1) / (tf->hi - tf->lo)),
-                                 .last = (float)(n - 1),
-                                 .depth = depth,
-                                 .slope = slope,
-                                 .sum = sum,
-                                 .rest = rest};
+    t->table = (depth_table){.lo = (float)tf->lo,
+                             .entries_per_value = (float)((double)(n - 1) / (tf->hi - tf->lo)),
+                             .last = (float)(n - 1),
+                             .depth = depth,
+                             .slope = slope,
+                             .sum = sum,
+                             .rest = rest};
     return ISO_OK;
 }
 
-static size_t entry_of(const iso_depth_table *t, float value)
+static size_t entry_of(const depth_table *t, float value)
 {
     const float x = (value - t->lo) * t->entries_per_value;
     return x > 0 ? (size_t)(x < t->last ? x : t->last) : 0;
@@ -250,7 +392,7 @@ typedef struct round_context {
 
 static void add_square(const round_context *c, const iso_fine_row *row, const float *a, const float *b)
 {
-    c->sums[row->thread].square += llround((double)iso_square_distance(a, b, row->count) * square_unit);
+    c->sums[row->thread].square += llround((double)square_distance(a, b, row->count) * square_unit);
 }
 
 /* Compares the level's opacities with q = 1 to the fine voxels'. */
@@ -258,16 +400,16 @@ static void first_round(void *context, const iso_fine_row *row)
 {
     const round_context *c = context;
     float *width = c->sums[row->thread].scratch;
-    iso_opacity_row(&c->own->table, row->values[0], row->values[1], row->count, row->results[0]);
+    opacity_row(&c->own->table, row->values[0], row->values[1], row->count, row->results[0]);
     fine_slopes(c->s, row, width);
-    iso_opacity_row(&c->original->table, fine_row(c->s, row), width, row->count, row->results[1]);
+    opacity_row(&c->original->table, fine_row(c->s, row), width, row->count, row->results[1]);
     add_square(c, row, row->results[0], row->results[1]);
 }
 
 static void later_round(void *context, const iso_fine_row *row)
 {
     const round_context *c = context;
-    iso_opacity_row_scaled(&c->own->table, row->values[0], row->values[1], row->values[2], row->count, row->results[0]);
+    opacity_row_scaled(&c->own->table, row->values[0], row->values[1], row->values[2], row->count, row->results[0]);
 }
 
 /* Compares the opacities that the bytes give to the fine voxels'. */
@@ -277,8 +419,8 @@ static void last_look(void *context, const iso_fine_row *row)
     const size_t n = c->s->map.axis[0].fine_size;
     float *width = c->sums[row->thread].scratch, *fine = width + n, *shown = fine + n;
     fine_slopes(c->s, row, width);
-    iso_opacity_row(&c->original->table, fine_row(c->s, row), width, row->count, fine);
-    iso_opacity_row_scaled(&c->own->table, row->values[0], row->values[1], row->values[2], row->count, shown);
+    opacity_row(&c->original->table, fine_row(c->s, row), width, row->count, fine);
+    opacity_row_scaled(&c->own->table, row->values[0], row->values[1], row->values[2], row->count, shown);
     add_square(c, row, shown, fine);
 }
 

@@ -6,7 +6,74 @@
 #include <string.h>
 
 #include "base/parallel.h"
-#include "fit/fit_kernel.h"
+#include "fit/curve.h"
+
+/* ---- rows of fine voxels under a coarse level ---- */
+
+/* A row of fine voxels under a coarse level; private to src/fit. */
+
+/* A row of values to compare, and their targets. */
+typedef struct fit_row {
+    const float *fine;  /* level 0's values */
+    const float *shown; /* the level's */
+    float *weight;      /* w = |p'|^2; read or written */
+    float *result;      /* to be scattered */
+    size_t count;
+    bool opacity_only;
+} fit_row;
+
+static float squared_error(const fit_row *r, size_t x, const iso_fit_curve *curve)
+{
+    float f, g, sum = 0;
+    const float *a = curve->entries + 4 * iso_fit_curve_find(curve, r->shown[x], &f);
+    const float *b = curve->entries + 4 * iso_fit_curve_find(curve, r->fine[x], &g);
+    for (int c = r->opacity_only ? 3 : 0; c < 4; ++c) {
+        const float d = a[c] + f * (a[c + 4] - a[c]) - (b[c] + g * (b[c + 4] - b[c]));
+        sum += d * d;
+    }
+    return sum;
+}
+
+/* Adds the squared errors by the wide curve and by the true one. */
+static void fit_row_errors(const fit_row *r, const iso_fit_curve *wide, const iso_fit_curve *curve, double sums[2])
+{
+    for (size_t x = 0; x < r->count; ++x) {
+        sums[0] += (double)squared_error(r, x, wide);
+        sums[1] += (double)squared_error(r, x, curve);
+    }
+}
+
+/* Fills the weights, and result = p' . (p - p(v)); returns the squared error. */
+static double fit_row_linearize(const fit_row *r, const iso_fit_curve *curve)
+{
+    const float per_value = (float)(1 / curve->step);
+    double error = 0;
+    for (size_t x = 0; x < r->count; ++x) {
+        float f, g, sum = 0, weight = 0, pull = 0;
+        const float *a = curve->entries + 4 * iso_fit_curve_find(curve, r->shown[x], &f);
+        const float *b = curve->entries + 4 * iso_fit_curve_find(curve, r->fine[x], &g);
+        for (int c = r->opacity_only ? 3 : 0; c < 4; ++c) {
+            const float slope = a[c + 4] - a[c];
+            const float d = a[c] + f * slope - (b[c] + g * (b[c + 4] - b[c]));
+            sum += d * d;
+            weight += slope * slope;
+            pull += slope * d;
+        }
+        error += (double)sum;
+        r->weight[x] = weight * per_value * per_value;
+        r->result[x] = pull * per_value;
+    }
+    return error;
+}
+
+/* Sets result = weight shown. */
+static void fit_row_weigh(const fit_row *r)
+{
+    for (size_t x = 0; x < r->count; ++x)
+        r->result[x] = r->shown[x] * r->weight[x];
+}
+
+/* ---- the fit ---- */
 
 /* A coarse value may leave the range of the fine ones by this part of it: more than least squares overshoots by. */
 #define OVERSHOOT 0.5
@@ -72,33 +139,33 @@ static size_t row_number(const fit *f, const iso_fine_row *row)
     return row->y + f->problem->map->axis[1].fine_size * row->z;
 }
 
-static iso_fit_row row_of(const fit *f, const iso_fine_row *row)
+static fit_row row_of(const fit *f, const iso_fine_row *row)
 {
     const size_t at = row->x + f->problem->map->axis[0].fine_size * row_number(f, row);
-    return (iso_fit_row){f->problem->fine + at,
-                         row->values ? row->values[0] : NULL,
-                         f->weight + at,
-                         row->results ? row->results[0] : NULL,
-                         row->count,
-                         f->opacity_only};
+    return (fit_row){f->problem->fine + at,
+                     row->values ? row->values[0] : NULL,
+                     f->weight + at,
+                     row->results ? row->results[0] : NULL,
+                     row->count,
+                     f->opacity_only};
 }
 
 static void errors_of_row(void *context, const iso_fine_row *row)
 {
     fit *f = context;
-    const iso_fit_row r = row_of(f, row);
+    const fit_row r = row_of(f, row);
     double *sums = f->sums[row_number(f, row)];
     sums[0] = sums[1] = 0;
-    iso_fit_row_errors(&r, &f->wide, f->problem->curve, sums);
+    fit_row_errors(&r, &f->wide, f->problem->curve, sums);
 }
 
 /* Notes which runs have weight, too. */
 static void linearize_row(void *context, const iso_fine_row *row)
 {
     fit *f = context;
-    const iso_fit_row r = row_of(f, row);
+    const fit_row r = row_of(f, row);
     uint8_t *wanted = f->wanted + row_number(f, row) * ((row->count + ISO_FIT_RUN - 1) / ISO_FIT_RUN);
-    f->sums[row_number(f, row)][0] = iso_fit_row_linearize(&r, &f->wide);
+    f->sums[row_number(f, row)][0] = fit_row_linearize(&r, &f->wide);
     for (size_t x = 0; x < row->count; x += ISO_FIT_RUN) {
         float most = 0;
         for (size_t i = x; i < row->count && i < x + ISO_FIT_RUN; ++i)
@@ -109,8 +176,8 @@ static void linearize_row(void *context, const iso_fine_row *row)
 
 static void weigh_row(void *context, const iso_fine_row *row)
 {
-    const iso_fit_row r = row_of(context, row);
-    iso_fit_row_weigh(&r);
+    const fit_row r = row_of(context, row);
+    fit_row_weigh(&r);
 }
 
 /* Runs one pass over the fine voxels under `coarse`; out: the scattered values, or NULL. */

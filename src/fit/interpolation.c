@@ -5,7 +5,51 @@
 #include <string.h>
 
 #include "base/parallel.h"
-#include "fit/interpolation_kernel.h"
+#include "base/simd.h"
+
+/* ---- rows ---- */
+
+/* The loops over rows of interpolation.h. */
+
+/* Computes out = (1 - w) a + w b, n floats. Equal values are kept exactly. */
+ISO_SIMD static void interpolation_blend(const float *restrict a, const float *restrict b, float w, size_t n,
+                                         float *restrict out)
+{
+    for (size_t i = 0; i < n; ++i)
+        out[i] = a[i] + w * (b[i] - a[i]);
+}
+
+/* Adds w row to sum, n floats. */
+ISO_SIMD static void interpolation_add(const float *restrict row, float w, size_t n, float *restrict sum)
+{
+    for (size_t i = 0; i < n; ++i)
+        sum[i] += w * row[i];
+}
+
+/* Interpolates a coarse row at the fine voxels of its axis. */
+ISO_SIMD static void interpolation_expand(const iso_interpolation_axis *axis, const float *restrict row,
+                                          float *restrict fine)
+{
+    const uint32_t *restrict low = axis->low, *restrict high = axis->high;
+    const float *restrict weight = axis->weight;
+    for (size_t i = 0; i < axis->fine_size; ++i)
+        fine[i] = row[low[i]] + weight[i] * (row[high[i]] - row[low[i]]);
+}
+
+/* Adds fine voxels' sums to a coarse row: the transpose. */
+static void interpolation_contract(const iso_interpolation_axis *axis, const float *restrict fine, float *restrict row)
+{
+    for (size_t j = 0; j < axis->coarse_size; ++j) {
+        const float *tap = axis->tap + axis->tap_start[j], *from = fine + axis->first[j];
+        const size_t count = axis->tap_start[j + 1] - axis->tap_start[j];
+        float sum = 0;
+        for (size_t t = 0; t < count; ++t)
+            sum += tap[t] * from[t];
+        row[j] += sum;
+    }
+}
+
+/* ---- the map ---- */
 
 /* ---- weights --------------------------------------------------------------------------------------------------- */
 
@@ -167,8 +211,8 @@ static const float *shown_row(const work *w, size_t i, size_t j)
     const size_t plane = x->coarse_size * y->coarse_size, n = x->coarse_size;
     const float *a = w->pass->inputs[i] + z->low[w->z] * plane + j * n;
     const float *b = w->pass->inputs[i] + z->high[w->z] * plane + j * n;
-    iso_interpolation_blend(a, b, z->weight[w->z], n, w->scratch->coarse_row);
-    iso_interpolation_expand(x, w->scratch->coarse_row, fine);
+    interpolation_blend(a, b, z->weight[w->z], n, w->scratch->coarse_row);
+    interpolation_expand(x, w->scratch->coarse_row, fine);
     shown->used[j] = 1;
     return fine;
 }
@@ -177,7 +221,7 @@ static void add_to(row_set *s, size_t j, size_t length, size_t x, const float *r
 {
     if (weight == 0)
         return;
-    iso_interpolation_add(row, weight, count, s->rows + j * length + x);
+    interpolation_add(row, weight, count, s->rows + j * length + x);
     s->used[j] = 1;
 }
 
@@ -189,7 +233,7 @@ static void run_row(const work *w, size_t x, size_t y, size_t count)
     const size_t low = along_y->low[y], high = along_y->high[y], length = w->map->axis[0].fine_size;
     const float weight = along_y->weight[y];
     for (size_t i = 0; i < w->pass->input_count; ++i)
-        iso_interpolation_blend(shown_row(w, i, low) + x, shown_row(w, i, high) + x, weight, count, s->values[i]);
+        interpolation_blend(shown_row(w, i, low) + x, shown_row(w, i, high) + x, weight, count, s->values[i]);
     const iso_fine_row row = {.x = x,
                               .y = y,
                               .z = w->z,
@@ -253,7 +297,7 @@ static void finish_plane(const work *w, size_t o, row_set *sum, size_t plane)
         if (!sum->used[j])
             continue;
         float *row = sum->rows + j * x->fine_size;
-        iso_interpolation_contract(x, row, w->pass->outputs[o] + (plane * y->coarse_size + j) * x->coarse_size);
+        interpolation_contract(x, row, w->pass->outputs[o] + (plane * y->coarse_size + j) * x->coarse_size);
         memset(row, 0, x->fine_size * sizeof *row);
         sum->used[j] = 0;
     }

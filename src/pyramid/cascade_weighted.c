@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* cascade_weighted.c - least-squares directions (weighted_kernel.h), each level from level 0's gradients, plane by
+/* cascade_weighted.c - least-squares directions, each level from level 0's gradients, plane by
  * plane.
  *
  * A fine row is reduced along x and added to the coarse rows and planes whose tents it touches. The system of all
@@ -14,14 +14,141 @@
  *     the last           o o o o o o o o           a block: kept
  *
  * Levels above the cascade's carry, with voxels of 2^(CARRY_LEVEL + 1) and more, keep their moments. */
+#include <float.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/parallel.h"
+#include "base/simd.h"
 #include "pyramid/cascade_kernel.h"
 #include "pyramid/spline_kernel.h"
-#include "pyramid/weighted_kernel.h"
+
+/* ---- rows of the system ---- */
+
+/* Rows of weighted least squares in three dimensions. Cannot fail or allocate, and is free of
+ * threads.
+ *
+ * Sought are the directions D of a coarse level whose trilinear lookup is nearest to the unit directions d of the
+ * fine voxels x, each as heavy as its squared gradient w(x):
+ *
+ *     sum_x w(x) |sum_j hat_j(x) D_j - d(x)|^2  ->  least,      or M D = b,
+ *     M_ij = sum_x w hat_i hat_j,   b_i = sum_x w hat_i d,   W_i = sum_x w hat_i = sum_j M_ij
+ *
+ * With weights the system is not a product of axes, unlike the scalar's (spline_kernel.h). But hat_i hat_j is a
+ * product, and equal for both diagonals of a cell. So 8 of a coarse voxel's 27 entries are kept, at the lower of the
+ * two voxels, indexed by whether the two differ along x, y and z. A coarse voxel has W, b (3) and these 8: 12
+ * planes. */
+
+enum { ISO_WEIGHTED_W = 0, ISO_WEIGHTED_B = 1, ISO_WEIGHTED_M = 4, ISO_WEIGHTED_PLANES = 12 };
+
+/* Returns the row of M by whether the two voxels differ along x, y, z (0 or 1 each). */
+static inline size_t iso_weighted_m(size_t dx, size_t dy, size_t dz)
+{
+    return ISO_WEIGHTED_M + 4 * dz + 2 * dy + dx;
+}
+
+
+/* Sums of a fine row, reduced along x: W, b (3), and M without and with a difference along x. */
+enum { ISO_WEIGHTED_REDUCED = 6 };
+
+ISO_SIMD static void weigh(const float *restrict gx, const float *restrict gy, const float *restrict gz, size_t n,
+                           float *restrict w, float *restrict dx, float *restrict dy, float *restrict dz)
+{
+    for (size_t i = 0; i < n; ++i) {
+        const float x = gx[i], y = gy[i], z = gz[i], m2 = x * x + y * y + z * z, m = sqrtf(m2);
+        w[i] = m2;
+        dx[i] = m * x;
+        dy[i] = m * y;
+        dz[i] = m * z;
+    }
+}
+
+/* Computes, for a row of n gradients, squares, and gradients times lengths, which are weighted unit directions. */
+static void weighted_row(float *const g[3], size_t n, float *restrict w, float *const wd[3])
+{
+    weigh(g[0], g[1], g[2], n, w, wd[0], wd[1], wd[2]);
+}
+
+/* Reduces a fine row. lookup, part: for each fine voxel, the coarse voxel below its center and the weight of the next
+ * one, 0 if there is none (iso_spline_lookup). out: ISO_WEIGHTED_REDUCED rows, `coarse` floats apart. */
+static void weighted_reduce_row(const unsigned *lookup, const float *part, size_t fine, size_t coarse,
+                                const float *restrict w, float *const wd[3], float *restrict out)
+{
+    float *restrict weight = out, *restrict same = out + 4 * coarse, *restrict next = out + 5 * coarse;
+    memset(out, 0, ISO_WEIGHTED_REDUCED * coarse * sizeof *out);
+    for (size_t i = 0; i < fine; ++i) {
+        const size_t j = lookup[i], after = part[i] > 0 ? j + 1 : j;
+        const float f = part[i], upper = f * w[i], lower = w[i] - upper;
+        weight[j] += lower;
+        weight[after] += upper;
+        same[j] += lower * (1 - f);
+        same[after] += upper * f;
+        next[j] += lower * f;
+    }
+    for (size_t c = 0; c < 3; ++c) {
+        const float *restrict d = wd[c];
+        float *restrict b = out + (1 + c) * coarse;
+        for (size_t i = 0; i < fine; ++i) {
+            const size_t j = lookup[i], after = part[i] > 0 ? j + 1 : j;
+            const float upper = part[i] * d[i];
+            b[j] += d[i] - upper;
+            b[after] += upper;
+        }
+    }
+}
+
+ISO_SIMD static void subtract(const float *restrict same, const float *restrict next, const float *restrict value,
+                              size_t n, float *restrict residual)
+{
+    residual[0] -= same[0] * value[0] + (n > 1 ? next[0] * value[1] : 0);
+    for (size_t i = 1; i + 1 < n; ++i)
+        residual[i] -= same[i] * value[i] + (next[i] * value[i + 1] + next[i - 1] * value[i - 1]);
+    if (n > 1)
+        residual[n - 1] -= same[n - 1] * value[n - 1] + next[n - 2] * value[n - 2];
+}
+
+/* Subtracts one neighboring row's part of M D from residual: b - M D of a row of n, 3 rows `stride` apart. same, next:
+ * M without and with a difference along x. values: the 3 rows of D, `value_stride` apart. */
+static void weighted_subtract(const float *restrict same, const float *restrict next, const float *restrict values,
+                              size_t value_stride, size_t n, float *restrict residual, size_t stride)
+{
+    for (size_t c = 0; c < 3; ++c)
+        subtract(same, next, values + c * value_stride, n, residual + c * stride);
+}
+
+/* Sets step = keep * step + gain * residual / W, and D = before + step. The term with W is 0 if W vanishes. */
+ISO_SIMD static void weighted_step(float keep, float gain, const float *restrict weight, const float *restrict residual,
+                                   size_t n, float *restrict step, const float *before, float *after)
+{
+    for (size_t i = 0; i < n; ++i) {
+        float inverse = 1 / weight[i];
+        inverse = weight[i] >= FLT_MIN ? inverse : 0;
+        const float s = keep * step[i] + gain * (residual[i] * inverse);
+        step[i] = s;
+        after[i] = before[i] + s;
+    }
+}
+
+ISO_SIMD static void shorten(float *restrict dx, float *restrict dy, float *restrict dz, size_t n)
+{
+    for (size_t i = 0; i < n; ++i) {
+        const float length = sqrtf(dx[i] * dx[i] + dy[i] * dy[i] + dz[i] * dz[i]);
+        const float factor = length > 1 ? 1 / length : length;
+        dx[i] *= factor;
+        dy[i] *= factor;
+        dz[i] *= factor;
+    }
+}
+
+/* Shortens D of length L to the stored D L: at most 1, and shorter if gradients disagree, as with moments. */
+static void weighted_shorten(float *const d[3], size_t n)
+{
+    shorten(d[0], d[1], d[2], n);
+}
+
+/* ---- the cascade ---- */
 
 enum { WEIGHTED_ROUNDS = 3, WEIGHTED_BLOCK = 8, WEIGHTED_WINDOW = WEIGHTED_BLOCK + 2 * WEIGHTED_ROUNDS };
 /* Fine planes between two meetings of the threads, and fine rows of a thread's task. */
@@ -31,7 +158,7 @@ enum { WEIGHTED_BATCH = 16, WEIGHTED_ROWS = 32 };
 
 struct weighted_level {
     iso_spline_axis axis[3];
-    unsigned *lookup; /* of a fine row: iso_weighted_reduce_row() */
+    unsigned *lookup; /* of a fine row: weighted_reduce_row() */
     float *part;
     size_t slot_count; /* coarse planes that are kept: plane p in slot p % slot_count */
     float *slots;
@@ -239,8 +366,8 @@ static void sum_plane(const weighted_run *r, const weighted_level *s, size_t tas
             begin_plane(s, at[1].at + p, j0, j1);
     for (size_t y = iso_spline_first(&s->axis[1], j0); y < iso_spline_end(&s->axis[1], j1 - 1); ++y) {
         iso_cascade_level0_gradients(r->c, r->in, y, z, &rows);
-        iso_weighted_row(rows.g, n, rows.row, rows.d);
-        iso_weighted_reduce_row(s->lookup, s->part, n, row_floats(s), rows.row, rows.d, reduced);
+        weighted_row(rows.g, n, rows.row, rows.d);
+        weighted_reduce_row(s->lookup, s->part, n, row_floats(s), rows.row, rows.d, reduced);
         at[0] = place_of(&s->axis[1], y);
         for (size_t p = 0; p <= (size_t)at[1].is_two; ++p)
             for (size_t j = 0; j <= (size_t)at[0].is_two; ++j)
@@ -289,9 +416,9 @@ static void row_residual(const weighted_level *s, const weighted_round *of, size
     for (size_t z = plane > 0 ? plane - 1 : 0; z <= plane + 1 && z < s->axis[2].coarse; ++z)
         for (size_t y = row > 0 ? row - 1 : 0; y <= row + 1 && y < s->axis[1].coarse; ++y) {
             const size_t low_z = z < plane ? z : plane, low_y = y < row ? y : row;
-            iso_weighted_subtract(slot_row(s, low_z, iso_weighted_m(0, y != row, z != plane), low_y),
-                                  slot_row(s, low_z, iso_weighted_m(1, y != row, z != plane), low_y),
-                                  value_row(s, s->values[of->from], z - of->first, y), area, n, residual, n);
+            weighted_subtract(slot_row(s, low_z, iso_weighted_m(0, y != row, z != plane), low_y),
+                              slot_row(s, low_z, iso_weighted_m(1, y != row, z != plane), low_y),
+                              value_row(s, s->values[of->from], z - of->first, y), area, n, residual, n);
         }
 }
 
@@ -312,8 +439,8 @@ static void round_row(const weighted_run *r, const weighted_level *s, const weig
             memset(step + at, 0, n * sizeof *step);
             memcpy(residual + c * n, slot_row(s, plane, ISO_WEIGHTED_B + c, row), n * sizeof *residual);
         }
-        iso_weighted_step(of->keep, of->gain, slot_row(s, plane, ISO_WEIGHTED_W, row), residual + c * n, n, step + at,
-                          before + at, after + at);
+        weighted_step(of->keep, of->gain, slot_row(s, plane, ISO_WEIGHTED_W, row), residual + c * n, n, step + at,
+                      before + at, after + at);
     }
 }
 
@@ -328,7 +455,7 @@ static void emit_row(const weighted_run *r, size_t k, const weighted_round *of, 
         return;
     for (size_t c = 0; c < 3; ++c)
         memcpy(rows.d[c], values + c * plane_floats(s), n * sizeof *values);
-    iso_weighted_shorten(rows.d, n);
+    weighted_shorten(rows.d, n);
     iso_emit_directions(r->c, &r->out[k], k, row, plane, &rows);
 }
 

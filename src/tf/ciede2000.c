@@ -6,8 +6,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* ---- color difference [sharma-2005]
- * ------------------------------------------------------------------------------- */
+/* ---- color difference [sharma-2005] ---- */
 
 static double square(double x)
 {
@@ -59,8 +58,7 @@ double iso_ciede2000(const double lab1[3], const double lab2[3])
     return sqrt(square(l_part) + square(c_part) + square(h_part) + rt * c_part * h_part);
 }
 
-/* ---- grid and shortest paths
- * --------------------------------------------------------------------------------------- */
+/* ---- grid and shortest paths ---- */
 
 enum { SIDE = 17, CELLS = SIDE * SIDE * SIDE, NEIGHBORS = 26, NOWHERE = -1 };
 

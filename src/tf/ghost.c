@@ -146,8 +146,7 @@ iso_status iso_ghost_measure(const iso_pyramid *p, size_t level, const iso_tf_ta
     return status;
 }
 
-/* ---- a transfer function without ghosts
- * --------------------------------------------------------------------------- */
+/* ---- a transfer function without ghosts ---- */
 
 /* Resets the entry to the original extinction if that is less. True if it is. */
 static bool give_back(const iso_tf_table *original, iso_tf_table *adapted, size_t entry)

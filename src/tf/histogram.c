@@ -2,16 +2,151 @@
 #define _GNU_SOURCE
 #include "tf/histogram.h"
 
+#include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "tf/histogram_kernel.h"
+#include "base/simd.h"
+
+/* ---- rows of level k at the fine voxels ---- */
+
+/* Rows of level k at the fine voxels; private to src/tf. */
+
+/* Position of a fine voxel between two coarse ones along one axis, clamped to the edge. */
+typedef struct place_between {
+    size_t left, right;
+    float weight_left, weight_right;
+} place_between;
+
+
+/* Scale of a coarse row in bins: ((blend of four rows) - lo) / step + 1/2, inside [1/2, count - 1/2]. Truncation then
+ * rounds also values interpolated between two of them. */
+typedef struct row_scale {
+    float lo, per_step, last; /* last = count - 1 */
+} row_scale;
+
+static place_between place_at(size_t fine, size_t level, size_t coarse_count)
+{
+    size_t cell = fine >> level, phase = fine & (((size_t)1 << level) - 1), width = (size_t)1 << level;
+    /* from the cell's center to the fine voxel's, in cells */
+    float offset = ((float)(2 * phase + 1) - (float)width) / (float)(2 * width);
+    place_between p = {cell, cell, 1, 0};
+    if (offset < 0) {
+        p.left = cell > 0 ? cell - 1 : 0;
+        p.weight_left = -offset, p.weight_right = 1 + offset;
+    } else {
+        p.right = cell + 1 < coarse_count ? cell + 1 : cell;
+        p.weight_left = 1 - offset, p.weight_right = offset;
+    }
+    return p;
+}
+
+/* Blends four rows into out, count + 2 floats; out[0] and out[count + 1] repeat the ends. */
+ISO_SIMD static void blend_rows(const float *const rows[4], const float weights[4], row_scale scale, size_t count,
+                                float *restrict out)
+{
+    const float *r0 = rows[0], *r1 = rows[1], *r2 = rows[2], *r3 = rows[3];
+    const float w0 = weights[0], w1 = weights[1], w2 = weights[2], w3 = weights[3], last = scale.last;
+    for (size_t x = 0; x < count; ++x) {
+        float at = ((w0 * r0[x] + w1 * r1[x]) + (w2 * r2[x] + w3 * r3[x]) - scale.lo) * scale.per_step;
+        at = at > 0 ? at : 0;
+        out[x + 1] = (at < last ? at : last) + 0.5f;
+    }
+    out[0] = out[1];
+    out[count + 1] = out[count];
+}
+
+/* Expands the cells [0, cells) of a level whose voxels are `width` wide. After inlining, `width` is a constant: the
+ * inner loop unrolls and its stores become vectors. */
+static inline __attribute__((always_inline)) void expand_cells(const float *row, size_t width, size_t cells,
+                                                               uint32_t *restrict bins)
+{
+    for (size_t c = 0; c < cells; ++c) {
+        const float left = row[c], own = row[c + 1], right = row[c + 2];
+        for (size_t m = 0; m < width; ++m) {
+            const float offset = ((float)(2 * m + 1) - (float)width) / (float)(2 * width);
+            const float at = offset < 0 ? (1 + offset) * own - offset * left : (1 - offset) * own + offset * right;
+            bins[c * width + m] = (uint32_t)(int32_t)at;
+        }
+    }
+}
+
+ISO_SIMD static void expand_by_2(const float *row, size_t cells, uint32_t *restrict bins)
+{
+    expand_cells(row, 2, cells, bins);
+}
+
+ISO_SIMD static void expand_by_4(const float *row, size_t cells, uint32_t *restrict bins)
+{
+    expand_cells(row, 4, cells, bins);
+}
+
+ISO_SIMD static void expand_by_8(const float *row, size_t cells, uint32_t *restrict bins)
+{
+    expand_cells(row, 8, cells, bins);
+}
+
+/* Sets bins[x] to that row, with its repeated ends, looked up at the fine voxels' centers and truncated. */
+static void expand_bins(const float *row, size_t level, size_t fine_count, uint32_t *restrict bins)
+{
+    const size_t width = (size_t)1 << level, cells = fine_count >> level;
+    switch (level) {
+    case 1: expand_by_2(row, cells, bins); break;
+    case 2: expand_by_4(row, cells, bins); break;
+    case 3: expand_by_8(row, cells, bins); break;
+    default: expand_cells(row, width, cells, bins); break;
+    }
+    for (size_t x = cells * width; x < fine_count; ++x) { /* the last cell is cut off by the edge */
+        const float offset = ((float)(2 * (x - cells * width) + 1) - (float)width) / (float)(2 * width),
+                    *own = row + cells + 1;
+        bins[x] = (uint32_t)(int32_t)(offset < 0 ? (1 + offset) * own[0] - offset * own[-1]
+                                                 : (1 - offset) * own[0] + offset * own[1]);
+    }
+}
+
+/* Sets keys[x] to keys[x] z_count + nearest bin of values[x]. */
+ISO_SIMD static void join_bins(const float *values, size_t n, row_scale scale, uint32_t z_count,
+                               uint32_t *restrict keys)
+{
+    for (size_t x = 0; x < n; ++x) {
+        float at = (values[x] - scale.lo) * scale.per_step;
+        at = at > 0 ? at : 0;
+        at = at < scale.last ? at : scale.last;
+        keys[x] = keys[x] * z_count + (uint32_t)(int32_t)(at + 0.5f);
+    }
+}
+
+/* Adds 1 to the count of each key, alternating between two tables (which may be the same one), so that an increment
+ * need not wait for the last. Eight equal keys are one addition: volumes have large parts of one value. */
+static void count_keys(const uint32_t *keys, size_t n, uint32_t *even, uint32_t *odd)
+{
+    size_t x = 0;
+    for (; x + 8 <= n; x += 8) {
+        const uint32_t *k = keys + x, first = k[0];
+        uint32_t other = 0;
+        for (int i = 1; i < 8; ++i)
+            other |= k[i] ^ first;
+        if (!other) {
+            even[first] += 8;
+            continue;
+        }
+        for (int i = 0; i < 8; i += 2) {
+            ++even[k[i]];
+            ++odd[k[i + 1]];
+        }
+    }
+    for (; x < n; ++x)
+        ++even[keys[x]];
+}
+
+/* ---- bins ---- */
 
 /* Fine voxels per call of iso_joint_add() by iso_joint_compute(). */
 #define SLAB_VOXELS ((size_t)1 << 26)
 /* Counts are kept in tables for up to DENSE_PAIRS pairs of bins; for more pairs, and for volumes that would hardly fill
- * a table, in hash maps. Each thread has its own tables (two for up to TWIN_PAIRS pairs, see iso_count_keys()) as long
+ * a table, in hash maps. Each thread has its own tables (two for up to TWIN_PAIRS pairs, see count_keys()) as long
  * as all of them hold at most OWN_PAIRS pairs; more threads share one by atomic additions of runs of equal pairs. */
 #define TWIN_PAIRS ((size_t)1 << 20)
 #define OWN_PAIRS ((size_t)1 << 26)
@@ -183,8 +318,8 @@ iso_status iso_joint_begin(const iso_joint_shape *shape, int threads, iso_joint_
 
 void iso_joint_needs(const iso_joint_builder *b, size_t z0, size_t z1, size_t *first, size_t *count)
 {
-    *first = iso_phase_at(z0, b->shape.level, b->shape.coarse[2]).left;
-    *count = iso_phase_at(z1 - 1, b->shape.level, b->shape.coarse[2]).right + 1 - *first;
+    *first = place_at(z0, b->shape.level, b->shape.coarse[2]).left;
+    *count = place_at(z1 - 1, b->shape.level, b->shape.coarse[2]).right + 1 - *first;
 }
 
 static void count_row(const iso_joint_builder *b, counter *c, size_t n)
@@ -200,7 +335,7 @@ static void count_row(const iso_joint_builder *b, counter *c, size_t n)
             __atomic_fetch_add(&b->table[keys[x]], end - x, __ATOMIC_RELAXED);
         }
     else
-        iso_count_keys(keys, n, c->tables, c->tables + (b->table_count - 1) * pair_count(b));
+        count_keys(keys, n, c->tables, c->tables + (b->table_count - 1) * pair_count(b));
 }
 
 /* A row of level 0, and the first of the given planes of level k around it. */
@@ -209,25 +344,24 @@ typedef struct row_place {
 } row_place;
 
 /* Looks up the bins of a level's planes at the fine voxels of a row. */
-static void lookup_row(const iso_joint_builder *b, counter *c, row_place at, const float *coarse, iso_row_scale scale,
+static void lookup_row(const iso_joint_builder *b, counter *c, row_place at, const float *coarse, row_scale scale,
                        uint32_t *bins)
 {
     const size_t y = at.y, z = at.z, coarse_z0 = at.coarse_z0;
-    iso_phase py = iso_phase_at(y, b->shape.level, b->shape.coarse[1]),
-              pz = iso_phase_at(z, b->shape.level, b->shape.coarse[2]);
+    place_between py = place_at(y, b->shape.level, b->shape.coarse[1]), pz = place_at(z, b->shape.level, b->shape.coarse[2]);
     size_t plane = b->shape.coarse[0] * b->shape.coarse[1];
     const float *left = coarse + (pz.left - coarse_z0) * plane, *right = coarse + (pz.right - coarse_z0) * plane;
     const float *const rows[4] = {left + py.left * b->shape.coarse[0], left + py.right * b->shape.coarse[0],
                                   right + py.left * b->shape.coarse[0], right + py.right * b->shape.coarse[0]};
     const float weights[4] = {pz.weight_left * py.weight_left, pz.weight_left * py.weight_right,
                               pz.weight_right * py.weight_left, pz.weight_right * py.weight_right};
-    iso_blend_rows(rows, weights, scale, b->shape.coarse[0], c->blended);
-    iso_expand_bins(c->blended, b->shape.level, b->shape.fine[0], bins);
+    blend_rows(rows, weights, scale, b->shape.coarse[0], c->blended);
+    expand_bins(c->blended, b->shape.level, b->shape.fine[0], bins);
 }
 
-static iso_row_scale scale_of(const iso_bins *bins)
+static row_scale scale_of(const iso_bins *bins)
 {
-    return (iso_row_scale){(float)bins->lo, (float)(1 / bins->step), (float)(bins->count - 1)};
+    return (row_scale){(float)bins->lo, (float)(1 / bins->step), (float)(bins->count - 1)};
 }
 
 /* Keeps the keys of voxels that have data, and between coarse ones that have. Returns their number. */
@@ -235,10 +369,10 @@ static size_t keep_data(const iso_joint_builder *b, counter *c, row_place at, co
                         const float *coarse)
 {
     const size_t *size = b->shape.coarse, level = b->shape.level;
-    const iso_phase y = iso_phase_at(at.y, level, size[1]), z = iso_phase_at(at.z, level, size[2]);
+    const place_between y = place_at(at.y, level, size[1]), z = place_at(at.z, level, size[2]);
     size_t kept = 0;
     for (size_t i = 0; i < b->shape.fine[0]; ++i) {
-        const iso_phase x = iso_phase_at(i, level, size[0]);
+        const place_between x = place_at(i, level, size[0]);
         bool is_there = !iso_is_no_data(fine_row[i]);
         for (int corner = 0; corner < 8 && is_there; ++corner) {
             const size_t cz = (corner & 4 ? z.right : z.left) - at.coarse_z0;
@@ -257,12 +391,12 @@ static void add_row(const iso_joint_builder *b, counter *c, row_place at, const 
     size_t n = b->shape.fine[0];
     lookup_row(b, c, at, coarse, scale_of(&b->shape.s), c->keys);
     if (b->shape.second_count > 1) {
-        const iso_row_scale whole = {0, 1, (float)(b->shape.second_count - 1)};
+        const row_scale whole = {0, 1, (float)(b->shape.second_count - 1)};
         lookup_row(b, c, at, second, whole, c->second_bins);
         for (size_t x = 0; x < n; ++x)
             c->keys[x] += c->second_bins[x] * (uint32_t)b->shape.s.count;
     }
-    iso_join_bins(fine_row, n, scale_of(&b->shape.z), (uint32_t)b->shape.z.count, c->keys);
+    join_bins(fine_row, n, scale_of(&b->shape.z), (uint32_t)b->shape.z.count, c->keys);
     count_row(b, c, b->shape.has_no_data ? keep_data(b, c, at, fine_row, coarse) : n);
 }
 

@@ -105,8 +105,7 @@ static const preset presets[] = {
 
 const iso_names iso_tf_preset_names = ISO_NAMES_OF_ROWS("transfer function preset", presets);
 
-/* ---- scales
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- scales ---- */
 
 /* Returns the quantile of the values beyond the background that has this part of them below it. */
 static double object_quantile(const iso_survey *s, double begins, double part)

@@ -34,8 +34,7 @@ const char *iso_suggest_kind_text(iso_suggest_kind kind)
     return texts[kind];
 }
 
-/* ---- profiles of one side of the background
- * ------------------------------------------------------------------------- */
+/* ---- profiles of one side of the background ---- */
 
 /* The bins on one side of the background, counted away from it: upwards, or downwards for a dark object. */
 typedef struct side {
@@ -87,8 +86,7 @@ static int steepest(const side *p, int from, int to)
     return best;
 }
 
-/* ---- materials
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- materials ---- */
 
 typedef struct material {
     int peak, begins;
@@ -181,8 +179,7 @@ static int find_materials(const side *p, material found[ISO_SUGGEST_MATERIALS])
     return count;
 }
 
-/* ---- points
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- points ---- */
 
 static void add_point(iso_tf *tf, double value, const double srgb[3], double opacity)
 {
@@ -331,8 +328,7 @@ static void add_shell(const iso_survey *s, iso_suggestion *out)
                                                       SOLID};
 }
 
-/* ---- labels
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- labels ---- */
 
 /* Adds interpolated labels: all but the background's opaque, hues from blue over green to red by value, so that values
  * between two labels get a similar hue. */
@@ -403,8 +399,7 @@ static iso_status add_label_map(const iso_survey *s, iso_suggestion *out, iso_er
     return size_table(&out->tf, err);
 }
 
-/* ---- all of it
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- all of it ---- */
 
 /* Returns the number of voxels of a side, weighted by their distance from the background. */
 static double weight_of(const side *p)

@@ -36,8 +36,7 @@ double iso_survey_slope(const iso_survey *s, double slope)
     return root * root * 0.5 * (s->hi - s->lo);
 }
 
-/* ---- quantiles, padding, labels
- * ------------------------------------------------------------------------------------ */
+/* ---- quantiles, padding, labels ---- */
 
 /* Sorts floats by digits of 11 bits. spare: of the same size. Returns the array that holds the result. */
 static float *sort_floats(float *values, float *spare, size_t count)
@@ -193,8 +192,7 @@ static void summarize(const float *sample, size_t count, iso_survey *s)
     find_labels(sample, count, s);
 }
 
-/* ---- histograms
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- histograms ---- */
 
 enum { BLOCK = 128, ROWS = 5 }; /* voxels of a row that are counted at once; rows with their neighbors */
 
@@ -522,8 +520,7 @@ static void profile(iso_survey *s)
     smooth(flat, 3, s->flat);
 }
 
-/* ---- the background
- * ------------------------------------------------------------------------------------------------ */
+/* ---- the background ---- */
 
 /* Walks from the peak to the first bin with less than 3 % of it, or after which it rises again by half. */
 static int walk(const double *density, int peak, int way)

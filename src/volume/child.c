@@ -17,10 +17,107 @@
 #include "base/process.h"
 #include "base/warnings.h"
 #include "base/words.h"
-#include "volume/child_check.h"
 #include "volume/child_start.h"
 #include "volume/child_stream.h"
 #include "volume/segments.h"
+
+/* ---- checks of what the program sends ---- */
+
+/* Checks of the output of the programs that read volumes (child_stream.h). It is untrusted input: a
+ * damaged file may make its library write anything. Private to src/volume. */
+
+#define END_TEXT(text) ((text)[sizeof(text) - 1] = 0)
+
+static void child_end_text(iso_child_answer *answer)
+{
+    END_TEXT(answer->error.text);
+}
+
+/* Ends each text where its field ends, for any content. */
+static void child_end_texts(iso_child_header *h)
+{
+    END_TEXT(h->version);
+    child_end_text(&h->answer);
+    for (int r = 0; r < 3; ++r)
+        END_TEXT(h->unit[r]);
+    for (int c = 0; c < ISO_CHILD_CHANNELS; ++c)
+        END_TEXT(h->channel_name[c]);
+    for (int s = 0; s < ISO_CHILD_SEGMENTS; ++s)
+        END_TEXT(h->segment[s].name);
+    END_TEXT(h->value_unit);
+    END_TEXT(h->frame_unit);
+    END_TEXT(h->unspaced);
+    END_TEXT(h->warning);
+}
+
+/* True for a status that a reader may have: not of a comparison or a renderer. */
+static bool is_known(iso_status status)
+{
+    return status >= ISO_E_USAGE && status <= ISO_E_PROGRAM;
+}
+
+/* Returns the program's error, or ISO_OK. `path` and `library` are for the message if the answer's status is
+ * unknown: ISO_E_FORMAT. Its text is ended. */
+static iso_status child_check_answer(const iso_child_answer *answer, const char *path, const char *library,
+                                     iso_error *err)
+{
+    if (answer->status == ISO_OK)
+        return ISO_OK;
+    if (is_known(answer->status) && answer->error.text[0])
+        return iso_fail(err, answer->status, "%s", answer->error.text);
+    return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s fails with status %d and reports \"%s\"", path, library,
+                    (int)answer->status, answer->error.text);
+}
+
+static bool is_type(iso_type type)
+{
+    switch (type) {
+#define ISO_TYPE_CASE(name, text, ctype) case name:
+        ISO_TYPE_LIST(ISO_TYPE_CASE)
+#undef ISO_TYPE_CASE
+        return true;
+    }
+    return false;
+}
+
+static bool is_world(iso_child_world world)
+{
+    return world == ISO_CHILD_LPS || world == ISO_CHILD_RAS || world == ISO_CHILD_OWN || world == ISO_CHILD_CENTERED;
+}
+
+/* True if the box lies in the grid; 0 stands for the grid's size. */
+static bool has_box(const iso_child_header *h)
+{
+    bool good = true;
+    for (int a = 0; a < 3; ++a)
+        good = good && h->box[a] >= 0 && h->box[a] <= (double)h->size[a];
+    return good;
+}
+
+/* Checks all but the size, which iso_geometry_check() checks. ISO_E_FORMAT: an unknown type or world, a number that is
+ * not finite, a box beyond the grid, or too many frames and channels to count. */
+static iso_status child_check_header(const iso_child_header *h, const char *path, const char *library, iso_error *err)
+{
+    size_t volumes;
+    if (!is_type(h->type))
+        return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s names samples of type %d, which there is not", path,
+                        library, (int)h->type);
+    if (!is_world(h->world))
+        return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %s names axes of kind %d, which there is not", path, library,
+                        (int)h->world);
+    if (!isfinite(h->slope) || !isfinite(h->intercept))
+        return iso_fail(err, ISO_E_FORMAT, "%s: damaged: slope %g and intercept %g, which have to be finite", path,
+                        h->slope, h->intercept);
+    if (!has_box(h))
+        return iso_fail(err, ISO_E_FORMAT, "%s: damaged: a box of %g x %g x %g voxels in a grid of %zu x %zu x %zu",
+                        path, h->box[0], h->box[1], h->box[2], h->size[0], h->size[1], h->size[2]);
+    if (__builtin_mul_overflow(h->frames, h->channels, &volumes))
+        return iso_fail(err, ISO_E_FORMAT, "%s: damaged: %zu frames of %zu channels cannot be counted", path, h->frames,
+                        h->channels);
+    return ISO_OK;
+}
+
+/* ---- the source ---- */
 
 typedef struct child {
     iso_child_process process;
@@ -91,8 +188,8 @@ static iso_status get_answer(iso_volume_source *source, iso_error *err)
     const child *r = source->reader;
     iso_child_answer answer;
     const iso_status status = get(source, &answer, sizeof answer, err);
-    iso_child_end_text(&answer);
-    return status == ISO_OK ? iso_child_check_answer(&answer, source->path, r->program->library, err) : status;
+    child_end_text(&answer);
+    return status == ISO_OK ? child_check_answer(&answer, source->path, r->program->library, err) : status;
 }
 
 static iso_status read_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
@@ -188,11 +285,11 @@ static iso_status read_header(iso_volume_source *source, const iso_child_program
 {
     NEED(start_reader(source, p, part, err));
     NEED(get(source, h, sizeof *h, err));
-    iso_child_end_texts(h);
+    child_end_texts(h);
     if (strcmp(h->version, ISO_VERSION) != 0)
         return iso_fail(err, ISO_E_MISSING, "%s is of version %s, isoshade of " ISO_VERSION, p->name, h->version);
-    iso_status status = iso_child_check_answer(&h->answer, source->path, p->library, err);
-    return status == ISO_OK ? iso_child_check_header(h, source->path, p->library, err) : status;
+    iso_status status = child_check_answer(&h->answer, source->path, p->library, err);
+    return status == ISO_OK ? child_check_header(h, source->path, p->library, err) : status;
 }
 
 /* Chooses frame and channel. The program gives one of each: it is started again unless these are the first ones. */

@@ -53,7 +53,7 @@ bool iso_source_is_plain(const iso_volume_source *source);
 typedef struct iso_frame_file {
     char *path; /* of the chosen frame, to be freed; NULL: the frames are in one file, or there is one */
     size_t count, frame;
-    double step; /* of time, if a list has it (file_list.h); 0 otherwise */
+    double step; /* of time, if a list has it; 0 otherwise */
 } iso_frame_file;
 
 /* Finds the files of `path`, if it has a place for numbers, as "name_%04d.nrrd", and is not a file itself; or if it

@@ -3,7 +3,10 @@
  * source.c, plane by plane, other encodings and lists of files by teem at once. */
 #define _GNU_SOURCE
 #include <errno.h>
+#include <jansson.h>
 #include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -14,9 +17,81 @@
 
 #include "base/control.h"
 #include "volume/nrrd_files.h"
-#include "volume/nrrd_segments.h"
 #include "volume/segments.h"
 #include "volume/stream_kernel.h"
+
+/* ---- segments ---- */
+
+/* The segments that a .seg.nrrd file names; private to src/volume. */
+
+enum { MOST_SEGMENTS = 65536 };
+
+/* Returns the value of "SegmentN_KEY"; to be freed. NULL: the key is missing. */
+static char *value_of(const Nrrd *nrrd, int number, const char *key)
+{
+    char name[64];
+    snprintf(name, sizeof name, "Segment%d_%s", number, key);
+    return nrrdKeyValueGet(nrrd, name);
+}
+
+/* Returns a whole number of the file, or `otherwise`. */
+static long number_of(const Nrrd *nrrd, int number, const char *key, long otherwise)
+{
+    char *text = value_of(nrrd, number, key), *end = text;
+    const long value = text ? strtol(text, &end, 10) : otherwise;
+    const bool good = text && end != text && value >= ISO_SEGMENTS_LABEL_MIN && value <= ISO_SEGMENTS_LABEL_MAX;
+    free(text);
+    return good ? value : otherwise;
+}
+
+/* Reads three numbers; a color's are 0 to 1. */
+static json_t *color_of(const Nrrd *nrrd, int number)
+{
+    char *text = value_of(nrrd, number, "Color"), *at = text;
+    json_t *color = json_array();
+    for (int c = 0; at && c < 3; ++c) {
+        char *end = at;
+        const double value = strtod(at, &end);
+        if (end == at || !(value >= 0 && value <= 1))
+            break;
+        json_array_append_new(color, json_real(value));
+        at = end;
+    }
+    free(text);
+    if (json_array_size(color) == 3)
+        return color;
+    json_decref(color);
+    return NULL;
+}
+
+static json_t *segment_of(const Nrrd *nrrd, int number, bool has_layers)
+{
+    FREED char *id = value_of(nrrd, number, "ID"), *name = value_of(nrrd, number, "Name");
+    json_t *segment = NULL, *color;
+    if (id || name) {
+        const long label = number_of(nrrd, number, "LabelValue", has_layers ? 1 : number + 1);
+        const long layer = number_of(nrrd, number, "Layer", has_layers ? number : 0);
+        segment = json_pack("{sI so sI}", "label", (json_int_t)label, "name", iso_segments_text(name ? name : id),
+                            "layer", (json_int_t)(layer > 0 ? layer : 0));
+        if (segment && (color = color_of(nrrd, number)))
+            json_object_set_new(segment, "color", color);
+    }
+    return segment;
+}
+
+/* Returns each segment with its layer (segments.h); NULL if the file names none. has_layers: it has an axis of them. */
+static json_t *nrrd_segments(const Nrrd *nrrd, bool has_layers)
+{
+    json_t *segments = json_array(), *segment;
+    for (int i = 0; i < MOST_SEGMENTS && (segment = segment_of(nrrd, i, has_layers)); ++i)
+        json_array_append_new(segments, segment);
+    if (json_array_size(segments) > 0)
+        return segments;
+    json_decref(segments);
+    return NULL;
+}
+
+/* ---- axes ---- */
 
 /* Reports the innermost of teem's messages. */
 static iso_status teem_failed(const char *path, const Nrrd *nrrd, iso_error *err)
@@ -233,7 +308,7 @@ static iso_status read_header(const Nrrd *nrrd, iso_volume_source *source, iso_e
                                            : plain_geometry(nrrd, &axes, source, err);
     read_scale(nrrd, &header->notes);
     take_value_unit(nrrd->sampleUnits, &header->notes);
-    json_auto_t *segments = iso_nrrd_segments(nrrd, axes.extra.frame.count > 1);
+    json_auto_t *segments = nrrd_segments(nrrd, axes.extra.frame.count > 1);
     header->notes.says_labels = segments != NULL;
     axes.extra.layers = segments;
     TRY(status, iso_source_choose(source, &axes.extra, err));
@@ -269,7 +344,8 @@ static iso_status take_file(iso_volume_source *source, NrrdIoState *io, iso_erro
     if (code == Z_ERRNO)
         return iso_fail(err, iso_errno_status(), "%s: the samples cannot be read: %s", source->path, strerror(errno));
     if (is_plain)
-        return iso_fail(err, ISO_E_FORMAT, "%s: the samples are not gzip data, unlike the header's encoding", source->path);
+        return iso_fail(err, ISO_E_FORMAT, "%s: the samples are not gzip data, unlike the header's encoding",
+                        source->path);
     if (io->byteSkip > 0 && gzseek(source->gz, io->byteSkip, SEEK_SET) < 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: fewer compressed samples than the %ld bytes to skip", source->path,
                         io->byteSkip);

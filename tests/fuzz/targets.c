@@ -20,7 +20,7 @@
 const fuzz_target fuzz_targets[] = {
     {"nrrd", "input.nrrd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_open.c src/volume/nrrd_files.c src/volume/source*.c src/volume/geometry.c src/volume/unit.c"},
     {"nhdr", "input.nhdr", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_open.c src/volume/nrrd_files.c"},
-    {"segments", "input.seg.nrrd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_segments.c src/volume/segments.c"},
+    {"segments", "input.seg.nrrd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_open.c src/volume/segments.c"},
     {"nifti", "input.nii", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/nifti_open.c"},
     {"metaimage", "input.mha", FUZZ_LINES, fuzz_volume, NULL, "src/volume/metaimage_open.c src/volume/zlib_samples.c"},
     {"vtk", "input.vtk", FUZZ_LINES, fuzz_volume, NULL, "src/volume/vtk_open.c src/volume/text_samples.c"},
@@ -41,7 +41,7 @@ const fuzz_target fuzz_targets[] = {
     {"packed", "input.mrc", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/unpack.c"},
     {"gipl", "input.gipl", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/gipl_open.c"},
     {"raw", "input.raw", FUZZ_LINES, fuzz_raw, NULL, "src/volume/input.c"},
-    {"series", "input.pvd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/file_list.c src/volume/frames.c"},
+    {"series", "input.pvd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/numbered_files.c src/volume/frames.c"},
     {"hdf5", "input.h5", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/arrays/arrays_read.cc src/volume/arrays/hdf5_store.cc src/volume/arrays/placement.cc"},
     {"netcdf", "input.nc", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/arrays/netcdf_store.cc"},
     {"zarr", "input.zarr/", FUZZ_LINES, fuzz_volume, NULL, "src/volume/arrays/zarr_store.cc"},
