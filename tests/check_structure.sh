@@ -12,7 +12,6 @@ exporters/vdb: vdb_guarded vdb_leaves vdb_nanovdb vdb_openvdb vdb_tree
 src/brick: bricks made_bricks node_box
 src/brick: lattice lattice_build
 src/encode: code code_kernel
-src/fit: interpolation interpolation_kernel
 src/gradient: gradient gradient_kernel
 src/image: exr_codec image picture_bytes primaries
 src/lab: level_methods level_scene

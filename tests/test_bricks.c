@@ -307,25 +307,19 @@ static double distance_to_level0(const iso_node_levels *n, const iso_level *leve
     return sqrt(sum / (double)count);
 }
 
-TEST(sharp_nodes_are_nearer_to_the_volume_than_smooth_ones_and_stay_in_range)
+/* By [1 2 1] / 4 along each axis, levels 1 and 2 would be 0.457 and 1.098 away; at level 2 the waves are near the limit
+ * of what nodes can show. */
+TEST(nodes_are_nearer_to_the_volume_than_smoothed_ones_and_stay_in_range)
 {
     OWNED(iso_pyramid) p = make_waves();
-    iso_node_levels smooth, sharp;
-    assert_ok(
-        iso_node_levels_create_by(&smooth, &p.levels[0], &(iso_node_options){8, 3, ISO_NODES_SMOOTH, false, 0}, &err));
-    assert_ok(iso_node_levels_create(&sharp, &p.levels[0], 8, 3, false, 0, &err));
-    for (uint8_t l = 1; l < 3; ++l) {
-        const double a = distance_to_level0(&smooth, &p.levels[0], l), b = distance_to_level0(&sharp, &p.levels[0], l);
-        printf("level %d: smooth %.3f, sharp %.3f\n", l, a, b);
-        assert_at_most(b, 0.95 * a); /* at level 2 the waves are near the limit of what nodes can show */
-    }
+    OWNED(iso_node_levels) n;
+    assert_ok(iso_node_levels_create(&n, &p.levels[0], 8, 3, false, 0, &err));
+    assert_at_most(distance_to_level0(&n, &p.levels[0], 1), 0.95 * 0.457);
+    assert_at_most(distance_to_level0(&n, &p.levels[0], 2), 0.95 * 1.098);
     for (size_t l = 0; l < 3; ++l)
         for (size_t i = 0, side = ((size_t)40 >> l) + 1; i < side * side * side; ++i) {
-            assert_true((double)sharp.nodes[l][4 * i] >= p.levels[0].min &&
-                        (double)sharp.nodes[l][4 * i] <= p.levels[0].max);
+            assert_true((double)n.nodes[l][4 * i] >= p.levels[0].min && (double)n.nodes[l][4 * i] <= p.levels[0].max);
         }
-    iso_node_levels_destroy(&smooth);
-    iso_node_levels_destroy(&sharp);
 }
 
 /* ---- bricks by themselves -------------------------------------------------------- */
@@ -354,12 +348,12 @@ static narrow_case make_narrow(void)
 }
 
 /* Bricks that differ from those of all nodes, in any bit. */
-static size_t bricks_made_otherwise(narrow_case *c, const iso_node_levels *all, const iso_node_options *opt)
+static size_t bricks_made_otherwise(narrow_case *c, const iso_node_levels *all, int threads)
 {
     OWNED(iso_node_levels) made;
     size_t different = 0;
     c->level.samples = &c->volume;
-    assert_ok(iso_node_levels_create_for(&made, &c->level, c->levels, NULL, opt, &err));
+    assert_ok(iso_node_levels_create_for(&made, &c->level, 8, 4, c->levels, NULL, threads, &err));
     assert_int_equal(iso_brick_count(&made), sizeof c->levels);
     const iso_brick_field a = {all, c->levels, ISO_FACES_OWN}, b = {&made, c->levels, ISO_FACES_OWN};
     for (size_t i = 0; i < sizeof c->levels; ++i) {
@@ -375,32 +369,27 @@ static size_t bricks_made_otherwise(narrow_case *c, const iso_node_levels *all, 
     return different;
 }
 
-/* The planted faults: another filter; and a plane of voxels that other bricks have, as far from a brick of level 3 as
- * its nodes reach: 2 (1 + 2 + 4) voxels, by the smooth filter 1 + 2 + 4 and a gradient's one. */
+/* The planted fault: a plane of voxels that other bricks have, as far from a brick of level 3 as its nodes reach:
+ * 2 (1 + 2 + 4) voxels. */
 TEST(bricks_made_by_themselves_are_those_of_all_nodes_bit_by_bit)
 {
     random_state = (iso_random){7};
-    for (int round = 0; round < 8; ++round) {
+    for (int threads = 1; threads <= 2; ++threads) {
         narrow_case c = make_narrow();
-        iso_node_options opt = {8, 4, round % 2 ? ISO_NODES_SMOOTH : ISO_NODES_SHARP, round % 4 < 2, 1 + round % 2};
         const size_t count = iso_geometry_voxel_count(&c.level.geometry);
         FREED float *scalar = malloc(count * sizeof *scalar);
         OWNED(iso_node_levels) all;
         assert_non_null(scalar);
         iso_volume_floats(&c.volume, scalar);
         c.level.scalar = scalar;
-        assert_ok(iso_node_levels_create_by(&all, &c.level, &opt, &err));
+        assert_ok(iso_node_levels_create(&all, &c.level, 8, 4, true, threads, &err));
         c.level.scalar = NULL;
-        assert_int_equal(bricks_made_otherwise(&c, &all, &opt), 0);
-        opt.filter = opt.filter == ISO_NODES_SHARP ? ISO_NODES_SMOOTH : ISO_NODES_SHARP;
-        assert_true(bricks_made_otherwise(&c, &all, &opt) > 30); /* all but those of level 0 */
-        opt.filter = round % 2 ? ISO_NODES_SMOOTH : ISO_NODES_SHARP;
+        assert_int_equal(bricks_made_otherwise(&c, &all, threads), 0);
         memset(c.levels, 0, sizeof c.levels);
         c.levels[2] = 3; /* nodes 16 to 24 along x */
-        const size_t far = opt.filter == ISO_NODES_SHARP ? 14 : opt.with_directions ? 8 : 7;
-        for (size_t i = 16 - far; i < count; i += c.level.geometry.size[0])
+        for (size_t i = 16 - 14; i < count; i += c.level.geometry.size[0])
             ((uint8_t *)c.volume.data)[i] ^= 0x80;
-        assert_int_equal(bricks_made_otherwise(&c, &all, &opt), (16 - far == 8 ? 24 : 12) + 1);
+        assert_int_equal(bricks_made_otherwise(&c, &all, threads), 12 + 1);
         iso_volume_destroy(&c.volume);
     }
 }
@@ -410,10 +399,9 @@ TEST(nodes_for_plans_have_the_bits_of_all_nodes)
 {
     random_state = (iso_random){8};
     narrow_case c = make_narrow();
-    const iso_node_options opt = {8, 4, ISO_NODES_SHARP, true, 2};
     OWNED(iso_node_levels) all, begun, other;
     c.level.samples = &c.volume;
-    assert_ok(iso_node_levels_create_by(&all, &c.level, &opt, &err));
+    assert_ok(iso_node_levels_create(&all, &c.level, 8, 4, true, 2, &err));
     assert_ok(iso_node_levels_round(&all, 2, &err));
     assert_ok(iso_node_levels_begin(&begun, &c.level, 8, 4, 2, &err));
     assert_null(begun.nodes[1]);

@@ -101,26 +101,22 @@ iso_status iso_bake_measure_shaded(const iso_baked *b, size_t pixels, iso_bake_e
     OWNED(iso_image) exact = {0};
     iso_view view = measured_view(b, pixels);
     *out = (iso_bake_error){.width = view.width, .height = view.height};
-    iso_status status = render_exact(b, &view, &exact, progress, err);
+    NEED(render_exact(b, &view, &exact, progress, err));
     take_light_away(&view); /* the colors already include it */
-    TRY(status, compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err));
-    return status;
+    return compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err);
 }
 
 iso_status iso_bake_measure(const iso_baked *b, bool emission, size_t pixels, iso_bake_error *out,
                             const iso_progress *progress, iso_error *err)
 {
-    iso_image exact = {0};
+    OWNED(iso_image) exact = {0};
     iso_view view = measured_view(b, pixels);
     *out = (iso_bake_error){.width = view.width, .height = view.height, .has_emission = emission};
-    iso_status status = render_exact(b, &view, &exact, progress, err);
-    TRY(status, compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err));
+    NEED(render_exact(b, &view, &exact, progress, err));
+    NEED(compare(b, ISO_BAKED_COLORS, &view, &exact, &out->lit, progress, err));
     iso_image_destroy(&exact);
     take_light_away(&view);
-    TRY(status, render_exact(b, &view, &exact, progress, err));
-    TRY(status, compare(b, ISO_BAKED_COLORS, &view, &exact, &out->unlit, progress, err));
-    if (status == ISO_OK && emission)
-        status = compare(b, ISO_BAKED_EMISSION, &view, &exact, &out->emission, progress, err);
-    iso_image_destroy(&exact);
-    return status;
+    NEED(render_exact(b, &view, &exact, progress, err));
+    NEED(compare(b, ISO_BAKED_COLORS, &view, &exact, &out->unlit, progress, err));
+    return emission ? compare(b, ISO_BAKED_EMISSION, &view, &exact, &out->emission, progress, err) : ISO_OK;
 }

@@ -133,15 +133,13 @@ iso_status iso_bake_guard_usda(const char *path, bool force, iso_error *err)
 /* Writes the USD text file, with a stamp at its end because people edit it. */
 static iso_status save_usda(const iso_baked *b, const iso_bake_request *r, const char *path, iso_error *err)
 {
-    iso_output out = {0};
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
     FREED char *name = usda_path(path), *text = iso_bake_usda(b, r, path);
-    iso_status status = name && text ? iso_output_begin(&out, name, err)
-                                     : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-    TRY(status, iso_file_write(out.temp_path, text, strlen(text), err));
-    TRY(status, iso_stamp_append(out.temp_path, "# ", err));
-    TRY(status, iso_output_commit(&out, err));
-    iso_output_abandon(&out);
-    return status;
+    NEED_MEMORY(name && text, err, "%s: out of memory", path);
+    NEED(iso_output_begin(&out, name, err));
+    NEED(iso_file_write(out.temp_path, text, strlen(text), err));
+    NEED(iso_stamp_append(out.temp_path, "# ", err));
+    return iso_output_commit(&out, err);
 }
 
 iso_status iso_bake_save(const iso_baked *b, const iso_bake_request *r, int level, const char *made_from,

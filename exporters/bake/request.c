@@ -104,26 +104,25 @@ iso_status iso_bake_request_make(const iso_bake_words *w, bool half, iso_bake_re
     size_t row = 0;
     *r = (iso_bake_request){.lattice = iso_bake_defaults(), .convention = iso_vdb_own_convention()};
     if (!w->program && !w->grids) {
-        iso_status status = check_alone(w, err);
-        TRY(status, take_count("--points", w->points, &r->lattice.points, err));
-        return status == ISO_OK ? take_count("--supersample", w->samples, &r->lattice.samples, err) : status;
+        NEED(check_alone(w, err));
+        NEED(take_count("--points", w->points, &r->lattice.points, err));
+        return take_count("--supersample", w->samples, &r->lattice.samples, err);
     }
-    iso_status status = w->program ? iso_names_find(&iso_grid_program_names, w->program, &row, err) : ISO_OK;
-    if (status != ISO_OK)
-        return status;
+    if (w->program)
+        NEED(iso_names_find(&iso_grid_program_names, w->program, &row, err));
     const iso_grid_program *p = w->program ? iso_grid_program_at(row) : NULL;
     r->wanted = true;
     r->program = p;
     r->half = half || (p && p->half);
     r->usd = w->usd || (p && p->usd);
     r->error_pixels = ISO_BAKE_ERROR_PIXELS;
-    status = take_grids(w->grids ? w->grids : p->grids, r, err);
+    NEED(take_grids(w->grids ? w->grids : p->grids, r, err));
     const char *unit = w->unit ? w->unit : p ? p->unit : NULL, *up = w->up ? w->up : p ? p->up : NULL;
     r->unit_is_asked = w->unit != NULL;
-    if (status == ISO_OK && unit)
-        status = iso_unit_parse("--scene-unit", unit, &r->convention.unit_mm, &r->convention.unit, err);
-    if (status == ISO_OK && up)
-        status = take_up(up, r, err);
-    TRY(status, take_count("--points", w->points, &r->lattice.points, err));
-    return status == ISO_OK ? take_count("--supersample", w->samples, &r->lattice.samples, err) : status;
+    if (unit)
+        NEED(iso_unit_parse("--scene-unit", unit, &r->convention.unit_mm, &r->convention.unit, err));
+    if (up)
+        NEED(take_up(up, r, err));
+    NEED(take_count("--points", w->points, &r->lattice.points, err));
+    return take_count("--supersample", w->samples, &r->lattice.samples, err);
 }

@@ -2,7 +2,6 @@
 #define _GNU_SOURCE
 #include "paraview/paraview.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -181,20 +180,6 @@ static iso_status write_state(json_t *scene, const char *path, iso_error *err)
 
 /* ---- the folder ---- */
 
-/* Makes a name of letters, digits, "-" and "_". */
-static char *scene_name(const char *dir)
-{
-    FREED char *copy = strdup(dir);
-    size_t end = copy ? strlen(copy) : 0;
-    while (end > 0 && copy[end - 1] == '/')
-        copy[--end] = '\0';
-    char *name = copy ? strdup(end > 0 ? iso_path_base(copy) : "volume") : NULL;
-    for (char *c = name; c && *c; ++c)
-        if (!isalnum((unsigned char)*c) && *c != '-' && *c != '_')
-            *c = '_';
-    return name;
-}
-
 static iso_status write_files(const iso_level *level, const iso_view *view, const char *name, const char *dir,
                               iso_error *err)
 {
@@ -209,14 +194,11 @@ static iso_status write_files(const iso_level *level, const iso_view *view, cons
 iso_status iso_paraview_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *dir,
                                iso_error *err)
 {
-    iso_output out = {0};
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
     NEED(check(&p->levels[level], view, err));
-    FREED char *name = scene_name(dir);
-    if (!name)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
-    iso_status status = iso_output_begin_dir(&out, dir, "*.vti", err); /* any name: the folder may have been renamed */
-    TRY(status, write_files(&p->levels[level], view, name, out.temp_path, err));
-    TRY(status, iso_output_commit(&out, err));
-    iso_output_abandon(&out);
-    return status;
+    FREED char *name = iso_path_plain_name(dir);
+    NEED_MEMORY(name, err, "out of memory");
+    NEED(iso_output_begin_dir(&out, dir, "*.vti", err)); /* any name: the folder may have been renamed */
+    NEED(write_files(&p->levels[level], view, name, out.temp_path, err));
+    return iso_output_commit(&out, err);
 }

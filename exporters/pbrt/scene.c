@@ -156,8 +156,7 @@ static iso_status write_text(const iso_medium *m, const char *folder, const char
                              void print(FILE *, const iso_medium *), iso_error *err)
 {
     FREED char *path = iso_path_join(folder, name);
-    if (!path)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", name);
+    NEED_MEMORY(path, err, "%s: out of memory", name);
     FILE *f = fopen(path, "wb");
     if (!f)
         return iso_fail(err, iso_errno_status(), "%s: %s", path, strerror(errno));

@@ -2,7 +2,6 @@
 #define _GNU_SOURCE
 #include "povray/povray.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,30 +58,14 @@ iso_status iso_povray_check(const iso_pyramid *p, size_t level, const iso_view *
     return ISO_OK;
 }
 
-/* Makes a name of letters, digits, "-" and "_", which needs no quotes in POV-Ray's files or in a shell. */
-static char *scene_name(const char *dir)
-{
-    size_t end = strlen(dir);
-    while (end > 0 && dir[end - 1] == '/')
-        --end;
-    size_t start = end;
-    while (start > 0 && dir[start - 1] != '/')
-        --start;
-    char *name = end > start ? strndup(dir + start, end - start) : strdup("volume");
-    for (char *c = name; c && *c; ++c)
-        if (!isalnum((unsigned char)*c) && *c != '-' && *c != '_')
-            *c = '_';
-    return name;
-}
-
 iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *dir,
                              const iso_povray_options *opt, const iso_progress *progress, iso_error *err)
 {
     NEED(iso_povray_check(p, level, view, opt, err));
-    FREED char *name = scene_name(dir);
+    FREED char *name = iso_path_plain_name(dir);
     if (!name)
         return iso_povray_no_memory(err);
-    iso_output out = {0};
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
     iso_povray_prepared s;
     iso_status status = iso_povray_prepare(p, level, view, name, opt, &s, err);
     if (status == ISO_OK)
@@ -91,7 +74,6 @@ iso_status iso_povray_export(const iso_pyramid *p, size_t level, const iso_view 
         status = iso_povray_write_files(&s, out.temp_path, progress, err);
         TRY(status, iso_output_commit(&out, err));
     }
-    iso_output_abandon(&out);
     iso_povray_release(&s);
     return status;
 }

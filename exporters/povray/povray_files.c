@@ -19,9 +19,7 @@
 
 /* ---- samples of a lattice ---- */
 
-/* A sparse lattice as samples of DF3 files, row by row, without making a dense level. Private to
- * exporters/povray. */
-
+/* A sparse lattice as samples of DF3 files, row by row, without making a dense level. */
 typedef struct lattice_samples {
     const iso_lattice *lattice; /* borrowed */
     iso_code code;              /* directions are encoded and decoded, as a level's are */

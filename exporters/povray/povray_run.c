@@ -325,21 +325,20 @@ static void release_scenes(prepared_scenes *s)
 static iso_status prepare_scenes(const iso_povray_wanted *wanted, size_t count, const iso_progress *progress,
                                  prepared_scenes *s, iso_error *err)
 {
-    iso_status status = ISO_OK;
     *s = (prepared_scenes){.scenes = calloc(count, sizeof *s->scenes), .names = calloc(count, sizeof *s->names)};
     if (!s->scenes || !s->names)
         return iso_povray_no_memory(err);
     if (!(s->dir = iso_make_temp_dir()))
         return iso_temp_dir_fail(err);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         const iso_povray_wanted *w = &wanted[i];
         snprintf(s->names[i], sizeof s->names[i], "scene%zu", i);
-        status = iso_povray_check(w->pyramid, w->level, w->view, w->options, err);
-        TRY(status, iso_povray_prepare(w->pyramid, w->level, w->view, s->names[i], w->options, &s->scenes[i], err));
-        s->count += status == ISO_OK;
-        TRY(status, iso_povray_write_files(&s->scenes[i], s->dir, progress, err));
+        NEED(iso_povray_check(w->pyramid, w->level, w->view, w->options, err));
+        NEED(iso_povray_prepare(w->pyramid, w->level, w->view, s->names[i], w->options, &s->scenes[i], err));
+        ++s->count;
+        NEED(iso_povray_write_files(&s->scenes[i], s->dir, progress, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Renders pictures of prepared scenes. */
@@ -348,13 +347,11 @@ static iso_status render_prepared(const prepared_scenes *s, const wanted_picture
 {
     const iso_povray_options *opt = pictures[0].scene->options;
     FREED char *program = NULL;
-    iso_status status = find_povray(&program, err);
+    NEED(find_povray(&program, err));
     if (opt->stats)
         *opt->stats = (iso_povray_stats){.df3_bytes = iso_povray_df3_bytes(s->dir)};
-    if (status == ISO_OK)
-        status = render_pictures(&(render_job){program, s->dir, pictures, count, opt->threads, opt->stats}, progress,
-                                 images, err);
-    return status;
+    return render_pictures(&(render_job){program, s->dir, pictures, count, opt->threads, opt->stats}, progress, images,
+                           err);
 }
 
 iso_status iso_povray_render_several(const iso_pyramid *p, size_t level, const iso_view *view,

@@ -97,7 +97,7 @@ static iso_status write_blender(const iso_export_job *job, iso_error *err)
     o.physical = job->physical;
     if (job->planned)
         return write_planned(job, &o, err);
-    iso_view *views = calloc(count, sizeof *views);
+    FREED iso_view *views = calloc(count, sizeof *views);
     iso_status status = views ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
     for (size_t k = 0; k < count && status == ISO_OK; ++k)
         status = job->view_of_level(job, job->level + k, &views[k], err);
@@ -108,7 +108,6 @@ static iso_status write_blender(const iso_export_job *job, iso_error *err)
         report_ramps(job, views, count);
     for (size_t k = 0; views && k < count; ++k)
         iso_view_destroy(&views[k]);
-    free(views);
     return status;
 }
 
@@ -142,8 +141,7 @@ static iso_status open_blender(const char *output, iso_image *picture, iso_error
     FREED char *program = NULL, *exr = NULL;
     const int stem = (int)(strlen(output) - strlen(".blend"));
     NEED(iso_process_find("blender", "blender", &program, err));
-    if (asprintf(&exr, "%.*s_0001.exr", stem, output) < 0)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(asprintf(&exr, "%.*s_0001.exr", stem, output) >= 0, err, "out of memory");
     const char *argv[] = {program, "-b", output, "--python-text", "isoshade agreement", "-f", "1", NULL};
     FREED char *folder = iso_path_dir(exr);
     const iso_process_options options = {.sandbox = {.output = folder}, .timeout_seconds = 600};

@@ -28,8 +28,8 @@ static iso_status write_nanovdb(const iso_export_job *job, iso_error *err)
                         job->bake->program ? job->bake->program->name : "PROGRAM");
     if (!iso_nanovdb_version()) /* before the work starts */
         return iso_nanovdb_from_vdb("", job->output, err);
-    char *folder = iso_path_dir(job->output);
-    char *vdb = folder ? iso_temporary_path(folder, iso_path_base(job->output)) : NULL;
+    FREED char *folder = iso_path_dir(job->output);
+    FREED char *vdb = folder ? iso_temporary_path(folder, iso_path_base(job->output)) : NULL;
     if (vdb)
         iso_unfinished_add(vdb, false); /* before it exists; its writer removes the entry when it is finished */
     iso_export_job grids = *job;
@@ -44,8 +44,6 @@ static iso_status write_nanovdb(const iso_export_job *job, iso_error *err)
         print_version(job);
     if (vdb)
         iso_remove_tree(vdb);
-    free(vdb);
-    free(folder);
     return status;
 }
 

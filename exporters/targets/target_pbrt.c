@@ -30,14 +30,13 @@ static void tell_person(FILE *f, const iso_medium *m, const iso_bake_error *e)
 
 static iso_status write_folder(const iso_export_job *job, const iso_medium *m, iso_error *err)
 {
-    iso_output out = {0};
-    iso_status status = iso_output_begin_dir(&out, job->output, "scene.pbrt", err);
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
+    NEED(iso_output_begin_dir(&out, job->output, "scene.pbrt", err));
     iso_progress_report(job->progress, "pbrt", 0);
-    TRY(status, iso_medium_write(m, out.temp_path, err));
-    TRY(status, iso_output_commit(&out, err));
+    NEED(iso_medium_write(m, out.temp_path, err));
+    NEED(iso_output_commit(&out, err));
     iso_progress_report(job->progress, "pbrt", 1);
-    iso_output_abandon(&out);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status write_pbrt(const iso_export_job *job, iso_error *err)

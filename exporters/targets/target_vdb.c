@@ -5,9 +5,7 @@
 #include "targets/targets.h"
 #include "vdb/vdb.h"
 
-/* ---- baked grids ---- */
-
-/* The target vdb with --bake or --for. */
+/* ---- baked grids, of --bake or --for ---- */
 
 static json_t *difference(const iso_bake_difference *d)
 {
@@ -107,19 +105,18 @@ typedef struct shown_levels {
 
 static iso_status find_shown(const iso_export_job *job, shown_levels *l, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t k = 0; k < job->level_count && status == ISO_OK; ++k) {
+    for (size_t k = 0; k < job->level_count; ++k) {
         iso_view *view = &l->views[k];
         if (job->is_shown)
-            status = job->view_of_level(job, job->level + k, view, err);
-        if (status == ISO_OK && view->tf_2d)
+            NEED(job->view_of_level(job, job->level + k, view, err));
+        if (view->tf_2d)
             l->shown[k] = (iso_vdb_shown){.tfs = view->tf_2d->rows, .tf_count = ISO_TF_2D_ROWS};
-        else if (status == ISO_OK && job->is_shown)
+        else if (job->is_shown)
             l->shown[k] = (iso_vdb_shown){.tfs = &view->tf, .tf_count = 1};
         l->shown[k].has_background = job->background != NULL;
         l->shown[k].background = job->background ? *job->background : 0;
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status write_vdb(const iso_export_job *job, iso_error *err)
@@ -134,7 +131,7 @@ static iso_status write_vdb(const iso_export_job *job, iso_error *err)
     o.volume = job->volume;
     if (job->planned)
         return write_planned(job, &o, err);
-    shown_levels *l = calloc(1, sizeof *l);
+    FREED shown_levels *l = calloc(1, sizeof *l);
     iso_status status = l ? find_shown(job, l, err) : iso_fail(err, ISO_E_MEMORY, "export: out of memory");
     if (status == ISO_OK) {
         const bool sparse = (job->is_shown || job->background) && !job->dense;
@@ -147,7 +144,6 @@ static iso_status write_vdb(const iso_export_job *job, iso_error *err)
     }
     for (size_t k = 0; l && k < job->level_count; ++k)
         iso_view_destroy(&l->views[k]);
-    free(l);
     return status;
 }
 

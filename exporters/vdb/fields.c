@@ -124,12 +124,10 @@ static iso_status add(const fields_file *to, const iso_vdb_fields *f, size_t i, 
 
 iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const iso_progress *progress, iso_error *err)
 {
-    iso_output out = {0};
-    const iso_openvdb *openvdb = NULL;
-    iso_status status = check_size(f, path, err);
-    if (status == ISO_OK && !(openvdb = iso_vdb_library(path, err)))
-        status = ISO_E_MISSING;
-    TRY(status, iso_output_begin(&out, path, err));
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
+    NEED(check_size(f, path, err));
+    const iso_openvdb *openvdb = iso_vdb_library(path, err);
+    iso_status status = openvdb ? iso_output_begin(&out, path, err) : ISO_E_MISSING;
     if (status != ISO_OK)
         return status;
     const fields_file to = {openvdb, openvdb->create(), path};
@@ -146,7 +144,6 @@ iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const 
         status = iso_fail(err, ISO_E_IO, "%s: OpenVDB: %s", path, message.text);
     openvdb->destroy(to.file);
     TRY(status, iso_output_commit(&out, err));
-    iso_output_abandon(&out);
     iso_progress_report(progress, "OpenVDB grids", 1);
     return status;
 }

@@ -13,15 +13,11 @@ iso_status iso_nanovdb_from_vdb(const char *vdb_path, const char *path, iso_erro
         return iso_fail(err, ISO_E_MISSING,
                         "%s: isoshade was built without NanoVDB (on Debian: libnanovdb-dev, then make clean all)",
                         path);
-    iso_output out = {0};
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
     iso_vdb_message message = {""};
-    iso_status status = iso_output_begin(&out, path, err);
-    if (status == ISO_OK) {
-        const int code = openvdb->to_nanovdb(vdb_path, out.temp_path, &message);
-        status = code == ISO_OPENVDB_OK ? iso_output_commit(&out, err) : iso_vdb_fail(code, path, &message, err);
-    }
-    iso_output_abandon(&out);
-    return status;
+    NEED(iso_output_begin(&out, path, err));
+    const int code = openvdb->to_nanovdb(vdb_path, out.temp_path, &message);
+    return code == ISO_OPENVDB_OK ? iso_output_commit(&out, err) : iso_vdb_fail(code, path, &message, err);
 }
 
 const char *iso_nanovdb_version(void)

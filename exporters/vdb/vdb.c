@@ -138,10 +138,10 @@ static iso_status note_file(const iso_vdb_job *job, const char *made_from, const
     const iso_vdb_source source = iso_vdb_describe(g, made_from, o);
     char units[64];
     snprintf(units, sizeof units, *source.unit ? "%s" : "%s%.9g mm", source.unit, source.unit_mm);
-    iso_status status = note(job, "creator", o->creator, err);
-    TRY(status, note(job, "source", source.made_from, err));
-    TRY(status, note(job, "units", units, err));
-    return status == ISO_OK ? note(job, "command", o->command, err) : status;
+    NEED(note(job, "creator", o->creator, err));
+    NEED(note(job, "source", source.made_from, err));
+    NEED(note(job, "units", units, err));
+    return note(job, "command", o->command, err);
 }
 
 /* Notes that values are no data: an optimized level has those that show a scene best (plan/optimize.h). */
@@ -170,7 +170,7 @@ static iso_status write(const iso_vdb_job *job, const char *path, iso_error *err
 static iso_status save(const save_job *what, const char *path, const iso_vdb_options *opt, const iso_progress *progress,
                        iso_error *err)
 {
-    iso_output out = {0};
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
     const iso_openvdb *openvdb = iso_vdb_library(path, err);
     iso_status status = openvdb ? iso_output_begin(&out, path, err) : ISO_E_MISSING;
     if (status != ISO_OK)
@@ -196,7 +196,6 @@ static iso_status save(const save_job *what, const char *path, const iso_vdb_opt
         iso_vdb_grids_destroy(&grids[i]);
     free(grids);
     TRY(status, iso_output_commit(&out, err));
-    iso_output_abandon(&out);
     iso_progress_report(progress, "OpenVDB grids", 1);
     return status;
 }
@@ -219,9 +218,9 @@ bool iso_vdb_is_ours(const char *path)
 iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const char *path, const iso_vdb_options *opt,
                         const iso_progress *progress, iso_error *err)
 {
-    iso_status status = check_levels(p, first, count, path, opt, err);
+    NEED(check_levels(p, first, count, path, opt, err));
     const save_job job = {.pyramid = p, .first = first, .count = count};
-    return status == ISO_OK ? save(&job, path, opt, progress, err) : status;
+    return save(&job, path, opt, progress, err);
 }
 
 iso_status iso_vdb_save_lattices(const iso_lattice *lattices, size_t count, const char *made_from, const char *path,

@@ -167,8 +167,8 @@ iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_
     const double reach = 1.5 * degree, brightest = 0.35;
     (void)v;
     *value = 0;
-    iso_status status = iso_image_create(image, ISO_ATLAS_PIXELS, ISO_ATLAS_PIXELS, err);
-    for (size_t i = 0; status == ISO_OK && i < ISO_ATLAS_PIXELS * ISO_ATLAS_PIXELS; ++i) {
+    NEED(iso_image_create(image, ISO_ATLAS_PIXELS, ISO_ATLAS_PIXELS, err));
+    for (size_t i = 0; i < ISO_ATLAS_PIXELS * ISO_ATLAS_PIXELS; ++i) {
         double y = fabs(((double)(i % ISO_ATLAS_PIXELS) + 0.5) / ISO_ATLAS_PIXELS * 2 - 1) * reach;
         double z = fabs(((double)(i / ISO_ATLAS_PIXELS) + 0.5) / ISO_ATLAS_PIXELS * 2 - 1) * reach;
         /* The code is symmetric: the chamber x >= y >= z >= 0 is enough. */
@@ -180,7 +180,7 @@ iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_
         image->rgba[4 * i + 3] = 1;
         *value = fmax(*value, angle);
     }
-    return status;
+    return ISO_OK;
 }
 
 /* ---- bricks ---- */
@@ -189,9 +189,9 @@ iso_status iso_atlas_draw_holes(const iso_volume *v, iso_atlas_which which, iso_
 static iso_status show_cut(const iso_brick_field *f, iso_image *image, double *jump, iso_error *err)
 {
     const double face = (double)f->nodes->brick_voxels, tiny = 1e-7, n = ISO_ATLAS_PIXELS;
-    iso_status status = iso_image_create(image, ISO_ATLAS_PIXELS, ISO_ATLAS_PIXELS, err);
+    NEED(iso_image_create(image, ISO_ATLAS_PIXELS, ISO_ATLAS_PIXELS, err));
     *jump = 0;
-    for (size_t i = 0; status == ISO_OK && i < ISO_ATLAS_PIXELS * ISO_ATLAS_PIXELS; ++i) {
+    for (size_t i = 0; i < ISO_ATLAS_PIXELS * ISO_ATLAS_PIXELS; ++i) {
         double u = ((double)(i % ISO_ATLAS_PIXELS) + 0.5) / n, w = ((double)(i / ISO_ATLAS_PIXELS) + 0.5) / n;
         double v[ISO_NODE_CHANNELS], left[ISO_NODE_CHANNELS], right[ISO_NODE_CHANNELS];
         iso_brick_sample(f, iso_v3(face + 8 * (u - 0.5) + 0.5, 8 * w + 0.5, 6.3), v);
@@ -202,7 +202,7 @@ static iso_status show_cut(const iso_brick_field *f, iso_image *image, double *j
         image->rgba[4 * i + 3] = 1;
         *jump = fmax(*jump, fabs(left[0] - right[0]));
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_atlas_cut_bricks(const iso_volume *v, iso_atlas_which which, iso_image *image, double *value,

@@ -90,28 +90,23 @@ static void paint(double t, float rgba[4])
 static iso_status save_difference(const drawing *d, iso_atlas_which which, iso_error *err)
 {
     const iso_image *right = &d->r->images[ISO_ATLAS_RIGHT];
-    iso_image map;
-    iso_status status = iso_image_create(&map, right->width, right->height, err);
-    for (size_t i = 0; status == ISO_OK && i < right->width * right->height; ++i)
+    OWNED(iso_image) map = {0};
+    NEED(iso_image_create(&map, right->width, right->height, err));
+    for (size_t i = 0; i < right->width * right->height; ++i)
         paint(difference_at(right, &d->r->images[which], i) / d->largest, map.rgba + 4 * i);
-    char *path = file_of(d, d->page->dir,
-                         which == ISO_ATLAS_FAILURE ? "-failure-difference.png" : "-fallback-difference.png");
-    TRY(status, path ? iso_image_save_png(&map, path, 1, err) : iso_fail(err, ISO_E_MEMORY, "out of memory"));
-    free(path);
-    iso_image_destroy(&map);
-    return status;
+    FREED char *path = file_of(d, d->page->dir,
+                               which == ISO_ATLAS_FAILURE ? "-failure-difference.png" : "-fallback-difference.png");
+    return path ? iso_image_save_png(&map, path, 1, err) : iso_fail(err, ISO_E_MEMORY, "out of memory");
 }
 
 static iso_status save_picture(const drawing *d, iso_atlas_which which, const char *type, iso_error *err)
 {
-    char *path = NULL;
+    FREED char *path = NULL;
     if (asprintf(&path, "%s/%s-%s.%s", d->page->dir, d->c->id, iso_atlas_names[which], type) < 0)
         return iso_fail(err, ISO_E_MEMORY, "out of memory");
     const iso_image *image = &d->r->images[which];
-    iso_status status = strcmp(type, "png") == 0 ? iso_image_save_png(image, path, 1, err)
-                                                 : iso_image_save_exr(image, path, NULL, err);
-    free(path);
-    return status;
+    return strcmp(type, "png") == 0 ? iso_image_save_png(image, path, 1, err)
+                                    : iso_image_save_exr(image, path, NULL, err);
 }
 
 static iso_status save_pictures(drawing *d, iso_error *err)
@@ -131,18 +126,13 @@ static iso_status save_pictures(drawing *d, iso_error *err)
 
 static iso_status save_scene(const drawing *d, iso_error *err)
 {
-    char *volume = file_of(d, d->page->dir, ".nrrd"), *scene = file_of(d, d->page->dir, ".scene.json");
-    json_t *json = iso_atlas_scene_to_json(&d->c->scene, d->c->title);
-    iso_volume v = {0};
-    iso_status status = volume && scene && json ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_atlas_volume(&d->c->scene, &v, err));
-    TRY(status, iso_volume_save(&v, volume, true, err));
-    TRY(status, iso_scene_save_json(json, scene, err));
-    iso_volume_destroy(&v);
-    json_decref(json);
-    free(volume);
-    free(scene);
-    return status;
+    FREED char *volume = file_of(d, d->page->dir, ".nrrd"), *scene = file_of(d, d->page->dir, ".scene.json");
+    json_auto_t *json = iso_atlas_scene_to_json(&d->c->scene, d->c->title);
+    OWNED(iso_volume) v = {0};
+    NEED_MEMORY(volume && scene && json, err, "out of memory");
+    NEED(iso_atlas_volume(&d->c->scene, &v, err));
+    NEED(iso_volume_save(&v, volume, true, err));
+    return iso_scene_save_json(json, scene, err);
 }
 
 /* ---- commands ---- */
@@ -308,17 +298,14 @@ static void add_object(json_t *cases, const drawing *d, const char *command)
 iso_status iso_atlas_page_add(iso_atlas_page *page, const iso_atlas_case *c, const iso_atlas_result *r, iso_error *err)
 {
     drawing d = {.page = page, .c = c, .r = r};
-    char *command = case_command(&d);
-    iso_status status = command ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "out of memory");
-    if (status == ISO_OK && c->scene.field)
-        status = save_scene(&d, err);
-    TRY(status, save_pictures(&d, err));
-    if (status == ISO_OK) {
-        put_section(page->html, &d, command);
-        add_object(page->cases, &d, command);
-    }
-    free(command);
-    return status;
+    FREED char *command = case_command(&d);
+    NEED_MEMORY(command, err, "out of memory");
+    if (c->scene.field)
+        NEED(save_scene(&d, err));
+    NEED(save_pictures(&d, err));
+    put_section(page->html, &d, command);
+    add_object(page->cases, &d, command);
+    return ISO_OK;
 }
 
 /* ---- head and foot ---- */

@@ -133,7 +133,7 @@ typedef struct option_words {
 static iso_status parse(const char *text, const struct poptOption *options, iso_error *err)
 {
     int count = 0;
-    const char **words = NULL;
+    FREED const char **words = NULL;
     if (!text)
         return ISO_OK;
     if (poptParseArgvString(text, &count, &words) != 0)
@@ -142,19 +142,17 @@ static iso_status parse(const char *text, const struct poptOption *options, iso_
     int rc = poptGetNextOpt(context);
     bool left = poptPeekArg(context) != NULL;
     poptFreeContext(context);
-    free(words);
     return rc == -1 && !left ? ISO_OK : iso_fail(err, ISO_E_USAGE, "atlas: unknown option in \"%s\"", text);
 }
 
 static iso_status take_words(const option_words *w, taken_options *o, iso_error *err)
 {
-    iso_status status = ISO_OK;
     if (w->estimator)
-        status = iso_gradient_from_name(w->estimator, &o->build.gradient.method, err);
-    if (status == ISO_OK && w->direction_filter)
-        status = iso_direction_filter_from_name(w->direction_filter, &o->build.direction_filter, err);
-    if (status == ISO_OK && w->shading_from)
-        status = iso_direction_source_from_name(w->shading_from, &o->render.source, err);
+        NEED(iso_gradient_from_name(w->estimator, &o->build.gradient.method, err));
+    if (w->direction_filter)
+        NEED(iso_direction_filter_from_name(w->direction_filter, &o->build.direction_filter, err));
+    if (w->shading_from)
+        NEED(iso_direction_source_from_name(w->shading_from, &o->render.source, err));
     o->level = (size_t)w->level;
     o->build.level_count = o->level + 1;
     o->build.keep_float = true;
@@ -163,7 +161,7 @@ static iso_status take_words(const option_words *w, taken_options *o, iso_error 
     o->build.eq1_exponent = (size_t)w->exponent;
     o->render.step_voxels = w->step;
     o->render.quadrature = ISO_QUADRATURE_MIDPOINT;
-    return status;
+    return ISO_OK;
 }
 
 /* Parses the options of a way. Free o->adapted.tf_2d. */

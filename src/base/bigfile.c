@@ -56,8 +56,7 @@ static iso_status open_file(const char *path, int flags, bool direct, iso_bigfil
             f->fd = open(path, flags, 0666);
     }
     *file = f;
-    if (!f || !f->path || !f->block)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    NEED_MEMORY(f && f->path && f->block, err, "%s: out of memory", path);
     return f->fd < 0 ? io_error(f, err) : ISO_OK;
 }
 

@@ -108,15 +108,12 @@ iso_status iso_file_read(const char *path, char **data, size_t *size, iso_error 
 
 iso_status iso_file_write(const char *path, const void *data, size_t size, iso_error *err)
 {
-    iso_output out;
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
     NEED(iso_output_begin(&out, path, err));
     FILE *file = fopen(out.temp_path, "wb");
     bool good = file && fwrite(data, 1, size, file) == size;
     if (file && fclose(file) != 0)
         good = false;
-    if (good)
-        return iso_output_commit(&out, err);
-    iso_status status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
-    iso_output_abandon(&out);
-    return status;
+    return good ? iso_output_commit(&out, err)
+                : iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
 }

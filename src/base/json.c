@@ -107,8 +107,7 @@ char *iso_json_text(const json_t *root, size_t flags)
 iso_status iso_json_save(const char *path, const json_t *root, iso_error *err)
 {
     FREED char *text = iso_json_text(root, JSON_INDENT(2));
-    if (!text)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for its JSON text", path);
+    NEED_MEMORY(text, err, "%s: no memory for its JSON text", path);
     size_t size = strlen(text);
     text[size] = '\n'; /* the file ends with a newline; the terminating 0 is not written */
     return iso_file_write(path, text, size + 1, err);

@@ -208,8 +208,7 @@ static iso_status hash_folder(XXH3_state_t *state, const char *path, size_t *who
 static iso_status hash_path(const char *path, size_t *whole_left, uint64_t *hash, iso_error *err)
 {
     XXH3_state_t *state = XXH3_createState();
-    if (!state)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    NEED_MEMORY(state, err, "%s: out of memory", path);
     XXH3_64bits_reset(state);
     const iso_status status = iso_path_is_dir(path) ? hash_folder(state, path, whole_left, err)
                                                     : hash_file(state, path, whole_left, err);
@@ -293,8 +292,8 @@ iso_status iso_key_add_surroundings(iso_key *key, iso_error *err)
 {
     key->whole_bytes_left = ISO_KEY_WHOLE_BYTES;
     add_environment(key);
-    const iso_status status = add_program(key, err);
-    return status == ISO_OK ? iso_inputs_visit(add_input, key, err) : status;
+    NEED(add_program(key, err));
+    return iso_inputs_visit(add_input, key, err);
 }
 
 /* ---- renderers ---- */
@@ -316,13 +315,12 @@ iso_status iso_key_add_dependency(iso_key *key, const char *name, iso_error *err
     struct stat st;
     FREED char *path = find_dependency(name);
     uint64_t hash = 0;
-    iso_status status = ISO_OK;
     if (path && stat(path, &st) == 0 && S_ISREG(st.st_mode)) {
         size_t whole = st.st_size <= BLOCK_BYTES ? (size_t)st.st_size : 0; /* a script, which may be copied */
-        status = hash_path(path, &whole, &hash, err);
+        NEED(hash_path(path, &whole, &hash, err));
     }
     put_hash(key, name, hash);
-    return status;
+    return ISO_OK;
 }
 
 /* ---- stored keys ---- */

@@ -85,7 +85,7 @@ static iso_status walk_entry(const char *folder, const char *name, visitor *visi
 /* Visits the entries of a folder. below: a path in folder; "": folder itself. */
 static iso_status walk_below(const char *folder, const char *below, visitor *visit, void *user, iso_error *err)
 {
-    struct dirent **entries = NULL;
+    FREED struct dirent **entries = NULL;
     FREED char *path = iso_path_join(folder, below);
     const int count = path ? scandir(path, &entries, is_no_dot, by_name) : 0;
     iso_status status = !path ? iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder)
@@ -101,7 +101,6 @@ static iso_status walk_below(const char *folder, const char *below, visitor *vis
         }
         free(entries[i]);
     }
-    free(entries);
     return status;
 }
 
@@ -130,11 +129,9 @@ iso_status iso_manifest_write(const char *folder, const char *const *own, iso_er
     FREED char *text = NULL, *path = iso_path_join(folder, ISO_MANIFEST_NAME);
     size_t bytes = 0;
     FILE *memory = path ? open_memstream(&text, &bytes) : NULL;
-    if (!memory)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
+    NEED_MEMORY(memory, err, "%s: no memory for the list of its files", folder);
     NEED(walk_below(folder, "", list_entry, &(listing){memory, own}, err));
-    if (iso_memory_close(memory) != 0)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for the list of its files", folder);
+    NEED_MEMORY(iso_memory_close(memory) == 0, err, "%s: no memory for the list of its files", folder);
     FILE *file = fopen(path, "we");
     bool good = file && fwrite(text, 1, bytes, file) == bytes;
     good = file && fclose(file) == 0 && good;
@@ -209,9 +206,9 @@ static bool is_after(struct timespec a, struct timespec b)
 static iso_status has_entry(const listed *list, const entry *e, bool is_hashed, bool *found, iso_error *err)
 {
     FREED char *line = NULL;
-    const iso_status status = line_of(e, is_hashed, &line, err);
+    NEED(line_of(e, is_hashed, &line, err));
     *found = line && has_line(list->text, line);
-    return status;
+    return ISO_OK;
 }
 
 /* Sets *same to true if the entry is in the list and unchanged. */
@@ -252,8 +249,7 @@ iso_status iso_manifest_check(const char *folder, const char *shown, iso_error *
     FREED char *path = iso_path_join(folder, ISO_MANIFEST_NAME), *data = NULL, *text = NULL;
     size_t bytes;
     struct stat st = {0};
-    if (!path)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", shown);
+    NEED_MEMORY(path, err, "%s: out of memory", shown);
     if (stat(path, &st) != 0 && errno == ENOENT)
         return iso_fail(err, ISO_E_IO,
                         "%s: has no list of isoshade's files (" ISO_MANIFEST_NAME

@@ -25,8 +25,7 @@ static iso_status find_target(const char *path, char **target, iso_error *err)
     struct stat st;
     char *trimmed = strdup(path);
     *target = trimmed;
-    if (!trimmed)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    NEED_MEMORY(trimmed, err, "%s: out of memory", path);
     for (size_t n = strlen(trimmed); n > 1 && trimmed[n - 1] == '/'; --n)
         trimmed[n - 1] = 0;
     if (lstat(trimmed, &st) != 0)
@@ -192,11 +191,10 @@ static iso_status check_own(const iso_output *out, const char *path, iso_error *
                         strerror(errno));
     for (const struct dirent *e; status == ISO_OK && (e = readdir(dir));)
         if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0 &&
-            (!iso_output_is_own(out->own, e->d_name) ||
-             fstatat(dirfd(dir), e->d_name, &st, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(st.st_mode)))
-            status = iso_fail(err, ISO_E_IO,
-                              "%s: %s in %s is not isoshade's; move it away, or choose another output", path, e->d_name,
-                              out->temp_path);
+            (!iso_output_is_own(out->own, e->d_name) || fstatat(dirfd(dir), e->d_name, &st, AT_SYMLINK_NOFOLLOW) != 0 ||
+             !S_ISREG(st.st_mode)))
+            status = iso_fail(err, ISO_E_IO, "%s: %s in %s is not isoshade's; move it away, or choose another output",
+                              path, e->d_name, out->temp_path);
     closedir(dir);
     return status;
 }
@@ -221,9 +219,11 @@ static iso_status lock_partial(iso_output *out, const char *path, bool *is_new, 
     *is_new = lock.fd >= 0 && lock.made;
     errno = lock.cause;
     if (lock.cause == EWOULDBLOCK)
-        return iso_fail(err, ISO_E_IO, "%s: another process is making it; wait for its end, or choose another output", path);
+        return iso_fail(err, ISO_E_IO, "%s: another process is making it; wait for its end, or choose another output",
+                        path);
     if (lock.fd < 0 && (lock.cause == ENOTDIR || lock.cause == ELOOP))
-        return iso_fail(err, ISO_E_IO, "%s: %s cannot be opened as a folder: %s", path, out->temp_path, strerror(errno));
+        return iso_fail(err, ISO_E_IO, "%s: %s cannot be opened as a folder: %s", path, out->temp_path,
+                        strerror(errno));
     if (lock.fd < 0)
         return iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", path, strerror(errno));
     if (lock.cause)
@@ -372,7 +372,8 @@ static iso_status replace(iso_output *out, bool *done, iso_error *err)
     if (status == ISO_OK && lock.fd >= 0) {
         *done = exchange(out->temp_path, out->final_path) == 0;
         if (!*done && errno != ENOENT && errno != EEXIST && errno != ENOTEMPTY)
-            status = iso_fail(err, iso_errno_status(), "%s: cannot be put in place: %s", out->final_path, strerror(errno));
+            status = iso_fail(err, iso_errno_status(), "%s: cannot be put in place: %s", out->final_path,
+                              strerror(errno));
         if (*done && out->own)
             move_replaced_aside(out);
     }
@@ -402,10 +403,10 @@ static iso_status put_in_place(iso_output *out, iso_error *err)
 
 static iso_status commit_dir(iso_output *out, iso_error *err)
 {
-    iso_status status = iso_manifest_write(out->temp_path, out->own, err);
-    if (status == ISO_OK && nftw(out->temp_path, flush_entry, 16, FTW_DEPTH | FTW_PHYS) != 0)
-        status = iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", out->final_path, strerror(errno));
-    return status == ISO_OK ? put_in_place(out, err) : status;
+    NEED(iso_manifest_write(out->temp_path, out->own, err));
+    if (nftw(out->temp_path, flush_entry, 16, FTW_DEPTH | FTW_PHYS) != 0)
+        return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", out->final_path, strerror(errno));
+    return put_in_place(out, err);
 }
 
 static iso_status commit_file(const iso_output *out, bool is_final, iso_error *err)

@@ -2,6 +2,7 @@
 #define _GNU_SOURCE
 #include "base/path.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <ftw.h>
 #include <stdio.h>
@@ -36,6 +37,20 @@ const char *iso_path_base(const char *path)
 static bool look_at(const char *path, struct stat *st)
 {
     return stat(path, st) == 0 || ((errno == EIO || errno == EINTR) && stat(path, st) == 0);
+}
+
+char *iso_path_plain_name(const char *dir)
+{
+    size_t end = strlen(dir), start;
+    while (end > 0 && dir[end - 1] == '/')
+        --end;
+    for (start = end; start > 0 && dir[start - 1] != '/';)
+        --start;
+    char *name = end > start ? strndup(dir + start, end - start) : strdup("volume");
+    for (char *c = name; c && *c; ++c)
+        if (!isalnum((unsigned char)*c) && *c != '-' && *c != '_')
+            *c = '_';
+    return name;
 }
 
 bool iso_path_exists(const char *path)

@@ -30,7 +30,7 @@
 static char *search_path(const char *program)
 {
     const char *path = getenv("PATH");
-    char *copy = strdup(path ? path : "/usr/bin:/bin");
+    FREED char *copy = strdup(path ? path : "/usr/bin:/bin");
     char *found = NULL, *rest = copy;
     for (char *dir; copy && !found && (dir = strsep(&rest, ":"));) {
         char *candidate = iso_path_join(*dir ? dir : ".", program);
@@ -39,7 +39,6 @@ static char *search_path(const char *program)
         else
             free(candidate);
     }
-    free(copy);
     return found;
 }
 
@@ -411,8 +410,7 @@ iso_status iso_process_start(const char *const argv[], const char *directory, co
 {
     iso_process *p = malloc(sizeof *p);
     *process = NULL;
-    if (!p)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory to start it", iso_path_base(argv[0]));
+    NEED_MEMORY(p, err, "%s: no memory to start it", iso_path_base(argv[0]));
     const iso_status status = begin(argv, directory, sandbox, true, p, err);
     if (status == ISO_OK)
         *process = p;

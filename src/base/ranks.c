@@ -95,7 +95,7 @@ static void work_as_child(pid_t parent, void (*work)(void *user, const char *fol
 
 int iso_ranks_run_apart(void (*work)(void *user, const char *folder), void *user)
 {
-    char *folder = iso_make_temp_dir();
+    FREED char *folder = iso_make_temp_dir();
     int state = 0;
     fflush(NULL);
     const pid_t parent = getpid(), child = folder ? fork() : -1;
@@ -105,19 +105,17 @@ int iso_ranks_run_apart(void (*work)(void *user, const char *folder), void *user
         ;
     if (folder)
         iso_remove_tree(folder);
-    free(folder);
     return child > 0 && WIFSIGNALED(state) ? WTERMSIG(state) : 0;
 }
 
 /* Loads isoshade_mpi.so, with its symbols visible to MPI's own libraries. */
 static void *load_library(iso_error *err)
 {
-    char *path = iso_helper_find("isoshade_mpi.so");
+    FREED char *path = iso_helper_find("isoshade_mpi.so");
     void *library = path ? dlopen(path, RTLD_NOW | RTLD_GLOBAL) : NULL;
     if (!library)
         iso_fail(err, ISO_E_MISSING, "started by mpirun, but MPI cannot be loaded: %s",
                  path ? dlerror() : "built without; install the Debian package libopenmpi-dev, and build again");
-    free(path);
     return library;
 }
 
@@ -128,8 +126,7 @@ iso_status iso_ranks_open(iso_ranks **ranks, iso_error *err)
     if (wanted <= 1)
         return ISO_OK;
     iso_ranks *r = calloc(1, sizeof *r);
-    if (!r)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(r, err, "out of memory");
     r->library = load_library(err);
     r->interface = r->library ? dlsym(r->library, ISO_RANKS_INTERFACE_SYMBOL) : NULL;
     iso_status status = r->interface ? ISO_OK : ISO_E_MISSING;
@@ -176,7 +173,7 @@ iso_status iso_ranks_agree(iso_ranks *r, iso_status status, iso_error *err)
     outcome own = {.status = status};
     if (err)
         own.error = *err;
-    outcome *all = malloc((size_t)r->count * sizeof *all);
+    FREED outcome *all = malloc((size_t)r->count * sizeof *all);
     if (!all)
         abort(); /* the others wait: mpirun ends them */
     r->interface->gather(&own, sizeof own, all);
@@ -186,7 +183,6 @@ iso_status iso_ranks_agree(iso_ranks *r, iso_status status, iso_error *err)
         if (status != ISO_OK && err)
             *err = all[i].error;
     }
-    free(all);
     return status;
 }
 

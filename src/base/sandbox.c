@@ -343,8 +343,7 @@ static iso_status set_environment(const iso_sandbox_wish *wish, const char *fold
         return ISO_OK;
     const size_t changed = folder ? (size_t)(FOLDER_NAMES - !wish->private_home) : 0;
     box->environment = make_environment(wish, folder, changed);
-    if (!box->environment)
-        return iso_fail(err, ISO_E_MEMORY, "no memory to start a program");
+    NEED_MEMORY(box->environment, err, "no memory to start a program");
     box->copies = changed + (wish->first_in_path != NULL);
     return ISO_OK;
 }

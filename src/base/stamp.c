@@ -58,8 +58,7 @@ static iso_status keep_backup(const char *path, iso_error *err)
     enum { MOST_BACKUPS = 9999 };
     for (int i = 1; i <= MOST_BACKUPS; ++i) {
         char *backup = NULL;
-        if (asprintf(&backup, "%s%d", path, i) < 0)
-            return iso_fail(err, ISO_E_MEMORY, "out of memory");
+        NEED_MEMORY(asprintf(&backup, "%s%d", path, i) >= 0, err, "out of memory");
         const bool is_kept = give_name(path, backup) || errno == ENOENT;
         const int cause = errno;
         iso_status status = ISO_OK;

@@ -34,3 +34,11 @@ iso_status iso_fail_in(iso_error *err, iso_status status, const char *format, ..
         if (need_status_ != ISO_OK)             \
             return need_status_;                \
     } while (0)
+
+/* Returns from the function with ISO_E_MEMORY and a message unless there is the memory:
+ *     NEED_MEMORY(rows, err, "%s: no memory for %zu rows", path, count); */
+#define NEED_MEMORY(has_it, err, ...)                            \
+    do {                                                         \
+        if (!(has_it))                                           \
+            return iso_fail((err), ISO_E_MEMORY, __VA_ARGS__);   \
+    } while (0)

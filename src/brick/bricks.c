@@ -66,7 +66,7 @@ static bool make_box(const level_maker *m, const size_t first[3], const iso_node
         iso_node_box_fill(&fine, &rows, fine_first);
     else if (!iso_node_box_read(&fine, m->voxels, fine_first, buffers))
         return false;
-    return iso_node_box_filter(&fine, n->filter, box, buffers);
+    return iso_node_box_filter(&fine, box, buffers);
 }
 
 /* Copies a box to the level's nodes; their directions are still moments. */
@@ -192,18 +192,10 @@ static iso_status allocate(iso_node_levels *n, size_t first, iso_error *err)
 iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
                                   bool with_directions, int threads, iso_error *err)
 {
-    const iso_node_options opt = {brick_voxels, level_count, ISO_NODES_SHARP, with_directions, threads};
-    return iso_node_levels_create_by(n, level0, &opt, err);
-}
-
-iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, const iso_node_options *opt,
-                                     iso_error *err)
-{
-    const iso_node_voxels voxels = iso_node_voxels_of(level0, opt->with_directions);
-    NEED(iso_node_levels_measure(n, level0, opt->brick_voxels, opt->level_count, err));
-    n->filter = opt->filter;
+    const iso_node_voxels voxels = iso_node_voxels_of(level0, with_directions);
+    NEED(iso_node_levels_measure(n, level0, brick_voxels, level_count, err));
     iso_status status = allocate(n, 0, err);
-    TRY(status, fill_levels(n, &voxels, iso_threads(opt->threads), err));
+    TRY(status, fill_levels(n, &voxels, iso_threads(threads), err));
     if (status != ISO_OK)
         iso_node_levels_destroy(n);
     return status;
@@ -249,7 +241,7 @@ iso_status iso_node_levels_begin(iso_node_levels *n, const iso_level *level0, si
                                  int threads, iso_error *err)
 {
     iso_status status = iso_node_levels_measure(n, level0, brick_voxels, level_count, err);
-    TRY(status, iso_made_bricks_begin(n, level0, NULL, NULL, true, err));
+    TRY(status, iso_made_bricks_begin(n, level0, NULL, NULL, err));
     TRY(status, iso_node_levels_round(n, threads, err));
     if (status != ISO_OK)
         iso_node_levels_destroy(n);

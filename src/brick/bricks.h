@@ -3,8 +3,8 @@
  *
  * Nodes are the voxel centers of level 0: node q is at index q + 1/2. Brick b with n
  * voxels per side spans the nodes n b .. n (b + 1); neighbors share those of their
- * faces. Level l has its nodes at every 2^l-th node of level 0, made by the filter of
- * iso_node_filter from level to level, so that a brick has (n / 2^l + 1)^3 nodes:
+ * faces. Level l has its nodes at every 2^l-th node of level 0, made by a filter from
+ * level to level, so that a brick has (n / 2^l + 1)^3 nodes:
  *
  *     level 0   o-o-o-o-o-o-o-o-o       n = 8: 9 nodes
  *     level 1   o---o---o---o---o              5
@@ -24,7 +24,9 @@
  * the volume's nodes. Four channels per node: the scalar, and the direction d
  * (world axes) of the moments N = sum w m^2 d, S = sum w m^2 of the gradients
  * m d of level 0: d = N/|N| L^2, L = |N| / S, as in pyramid.h with the weights w
- * of the filter. Directions are baked like the scalar, and not normalized before
+ * of their filter, [1 2 1]^3 / 64. The scalar's filter is [-1 2 6 2 -1] / 8 along
+ * each axis, clamped to the nodes around: on sparse TFs it is nearer to level 0 than
+ * cells are (doc/results/mixed-resolution.md). Directions are baked like the scalar, and not normalized before
  * they are interpolated. */
 #pragma once
 
@@ -35,20 +37,12 @@
 #define ISO_BRICK_MAX_LEVELS 7
 #define ISO_NODE_CHANNELS 4
 
-/* Filter for the scalar of coarse nodes. Directions come from moments by [1 2 1]^3 / 64 in both cases. */
-typedef enum iso_node_filter {
-    ISO_NODES_SHARP, /* [-1 2 6 2 -1] / 8 along each axis, clamped to the nodes around: on sparse TFs nearer to level 0
-                      * than cells are (doc/results/mixed-resolution.md) */
-    ISO_NODES_SMOOTH /* [1 2 1] / 4 along each axis */
-} iso_node_filter;
-
 typedef struct iso_node_levels {
     iso_geometry geometry; /* of level 0 */
     double min, max;       /* of its scalar */
     size_t brick_voxels;   /* n, a power of two */
     size_t count[3];       /* bricks along x, y, z */
     size_t level_count;
-    iso_node_filter filter;
     /* Owned; ISO_NODE_CHANNELS per node, x fastest. NULL if `bricks` has the nodes. */
     float *nodes[ISO_BRICK_MAX_LEVELS];
     float **bricks;                /* owned; NULL, or each brick's nodes at its level, NULL if not made */
@@ -69,14 +63,6 @@ enum { ISO_BRICK_MOST_VOXELS = 64 }; /* per side */
  * with_directions: False leaves directions 0. */
 iso_status iso_node_levels_create(iso_node_levels *n, const iso_level *level0, size_t brick_voxels, size_t level_count,
                                   bool with_directions, int threads, iso_error *err);
-typedef struct iso_node_options {
-    size_t brick_voxels, level_count;
-    iso_node_filter filter;
-    bool with_directions;
-    int threads;
-} iso_node_options;
-iso_status iso_node_levels_create_by(iso_node_levels *n, const iso_level *level0, const iso_node_options *opt,
-                                     iso_error *err);
 /* Begins rounded nodes for plans. Level 0, whose samples are borrowed, is not kept: iso_brick_make() makes its bricks.
  * The coarser levels are missing until iso_node_levels_complete(), so that a picture of level 0 comes before they take
  * memory. */
@@ -89,8 +75,9 @@ iso_status iso_node_levels_complete(iso_node_levels *n, int threads, iso_error *
  * (pyramid/narrow.h). code: directions are encoded and decoded; NULL: they are not. The samples of level 0 and
  * `levels`, one number per brick, are borrowed; fields of these nodes have the same levels. They are not for
  * iso_node_levels_round(). */
-iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level0, const uint8_t *levels,
-                                      const iso_code *code, const iso_node_options *opt, iso_error *err);
+iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level0, size_t brick_voxels,
+                                      size_t level_count, const uint8_t *levels, const iso_code *code, int threads,
+                                      iso_error *err);
 /* Content of a brick of level 0; directions take most of the work. */
 typedef enum iso_brick_content {
     ISO_BRICK_SCALARS, /* directions are 0 */

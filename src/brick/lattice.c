@@ -181,14 +181,13 @@ static void extend(iso_lattice *l, size_t index, const iso_lattice_block *block,
 static iso_status put_corners(iso_lattice *l, iso_error *err)
 {
     const size_t corners[2][3] = {{0, 0, 0}, {l->size[0] - 1, l->size[1] - 1, l->size[2] - 1}};
-    iso_status status = ISO_OK;
-    for (int i = 0; i < 2 && status == ISO_OK; ++i) {
+    for (int i = 0; i < 2; ++i) {
         if (iso_lattice_use_of(l, corners[i][0], corners[i][1], corners[i][2]) != ISO_LATTICE_UNUSED)
             continue;
-        status = iso_lattice_put(l, corners[i], l->empty, ISO_LATTICE_LIT, err);
+        NEED(iso_lattice_put(l, corners[i], l->empty, ISO_LATTICE_LIT, err));
         ++l->active_count;
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Shrinks the lattice to the box of the active nodes. ISO_E_RANGE: none. */
@@ -268,13 +267,12 @@ static iso_status build(iso_lattice_builder *b, iso_error *err)
     const iso_node_levels *n = b->field->nodes;
     b->step = iso_lattice_step(n);
     l->blocks = calloc(block_count(l), sizeof *l->blocks);
-    if (!l->blocks || !note_shown(b))
-        return iso_fail(err, ISO_E_MEMORY, "lattice: no memory for %zu blocks", block_count(l));
+    NEED_MEMORY(l->blocks && note_shown(b), err, "lattice: no memory for %zu blocks", block_count(l));
     l->background = iso_lattice_background(n, b->opt->tfs, b->opt->tf_count);
     l->empty[0] = (float)l->background;
-    iso_status status = add_bricks(b, err);
-    TRY(status, iso_lattice_add_halo(b, err));
-    return status == ISO_OK ? trim(l, b->opt->whole_box, err) : status;
+    NEED(add_bricks(b, err));
+    NEED(iso_lattice_add_halo(b, err));
+    return trim(l, b->opt->whole_box, err);
 }
 
 iso_status iso_lattice_create(iso_lattice *l, const iso_brick_field *f, const iso_lattice_options *opt, iso_error *err)

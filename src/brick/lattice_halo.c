@@ -120,14 +120,13 @@ static float sample(const iso_lattice_builder *b, const size_t at[3])
 
 static iso_status activate(const iso_lattice_builder *b, cell_block *c, size_t cell, const size_t at[3], iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t i = 0; i < 8 && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < 8; ++i) {
         const size_t corner = cell + (i & 1) + SIDE * ((i >> 1 & 1) + SIDE * (i >> 2));
         const size_t node[3] = {at[0] + (i & 1), at[1] + (i >> 1 & 1), at[2] + (i >> 2)};
         if (c->active[corner])
             continue;
         const float value = sample(b, node);
-        status = iso_lattice_put(b->lattice, node, &value, ISO_LATTICE_HALO, err);
+        NEED(iso_lattice_put(b->lattice, node, &value, ISO_LATTICE_HALO, err));
         c->active[corner] = 1;
         c->values[corner] = value;
         for (int a = 0; a < 3; ++a) {
@@ -136,7 +135,7 @@ static iso_status activate(const iso_lattice_builder *b, cell_block *c, size_t c
             c->hi[a] = in > c->hi[a] ? in : c->hi[a];
         }
     }
-    return status;
+    return ISO_OK;
 }
 
 /* True if any value between the corners of a cell with active and background corners would be visible. */
@@ -159,9 +158,8 @@ static bool is_seen(const iso_lattice_builder *b, const cell_block *c, size_t ce
 /* Checks each cell once. */
 static iso_status look(const iso_lattice_builder *b, cell_block *c, bool *changed, iso_error *err)
 {
-    iso_status status = ISO_OK;
     *changed = false;
-    for (size_t i = 0; i < ISO_LATTICE_CUBE && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < ISO_LATTICE_CUBE; ++i) {
         const size_t in[3] = {i % ISO_LATTICE_SIDE, i / ISO_LATTICE_SIDE % ISO_LATTICE_SIDE,
                               i / (ISO_LATTICE_SIDE * ISO_LATTICE_SIDE)};
         const size_t cell = in[0] + SIDE * (in[1] + SIDE * in[2]);
@@ -174,10 +172,10 @@ static iso_status look(const iso_lattice_builder *b, cell_block *c, bool *change
         }
         if (!inside || !is_seen(b, c, cell) || !matters(b, at))
             continue;
-        status = activate(b, c, cell, at, err);
+        NEED(activate(b, c, cell, at, err));
         *changed = true;
     }
-    return status;
+    return ISO_OK;
 }
 
 static bool is_mixed(const cell_block *c)

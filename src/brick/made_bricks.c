@@ -283,7 +283,7 @@ static bool make_row(const iso_node_levels *n, const block_level *l, const block
         iso_node_box_fill(&fine, &rows, first);
     else if (!iso_node_box_read(&fine, &n->maker->voxels, first, buffers))
         return false;
-    return iso_node_box_filter(&fine, n->filter, &box, buffers);
+    return iso_node_box_filter(&fine, &box, buffers);
 }
 
 static bool make_own(const iso_node_levels *n, const block_level *l, size_t brick, iso_node_buffers *buffers)
@@ -362,15 +362,14 @@ static iso_status make_coarse(const iso_node_levels *n, int threads, iso_error *
 /* ---- interface ---------------------------------------------------------------------- */
 
 iso_status iso_made_bricks_begin(iso_node_levels *n, const iso_level *level0, const uint8_t *levels,
-                                 const iso_code *code, bool with_directions, iso_error *err)
+                                 const iso_code *code, iso_error *err)
 {
     n->bricks = calloc(iso_brick_count(n), sizeof *n->bricks);
     n->maker = malloc(sizeof *n->maker);
-    if (!n->bricks || !n->maker)
-        return iso_fail(err, ISO_E_MEMORY, "bricks: no memory for %zu bricks", iso_brick_count(n));
+    NEED_MEMORY(n->bricks && n->maker, err, "bricks: no memory for %zu bricks", iso_brick_count(n));
     *n->maker = (struct iso_brick_maker){.level0 = *level0, .levels = levels, .has_code = code != NULL};
     n->maker->code = code ? *code : n->maker->code;
-    n->maker->voxels = iso_node_voxels_of(&n->maker->level0, with_directions);
+    n->maker->voxels = iso_node_voxels_of(&n->maker->level0, true);
     return ISO_OK;
 }
 
@@ -379,13 +378,13 @@ const iso_node_voxels *iso_made_bricks_voxels(const iso_node_levels *n)
     return &n->maker->voxels;
 }
 
-iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level0, const uint8_t *levels,
-                                      const iso_code *code, const iso_node_options *opt, iso_error *err)
+iso_status iso_node_levels_create_for(iso_node_levels *n, const iso_level *level0, size_t brick_voxels,
+                                      size_t level_count, const uint8_t *levels, const iso_code *code, int threads,
+                                      iso_error *err)
 {
-    NEED(iso_node_levels_measure(n, level0, opt->brick_voxels, opt->level_count, err));
-    n->filter = opt->filter;
-    iso_status status = iso_made_bricks_begin(n, level0, levels, code, opt->with_directions, err);
-    TRY(status, make_coarse(n, iso_threads(opt->threads), err));
+    NEED(iso_node_levels_measure(n, level0, brick_voxels, level_count, err));
+    iso_status status = iso_made_bricks_begin(n, level0, levels, code, err);
+    TRY(status, make_coarse(n, iso_threads(threads), err));
     if (status != ISO_OK)
         iso_node_levels_destroy(n);
     return status;

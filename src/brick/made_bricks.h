@@ -10,7 +10,7 @@ iso_status iso_node_levels_measure(iso_node_levels *n, const iso_level *level0, 
                                    iso_error *err);
 /* Begins without bricks. levels: one per brick, or NULL: level 0 alone is made. code: may be NULL. ISO_E_MEMORY. */
 iso_status iso_made_bricks_begin(iso_node_levels *n, const iso_level *level0, const uint8_t *levels,
-                                 const iso_code *code, bool with_directions, iso_error *err);
+                                 const iso_code *code, iso_error *err);
 const iso_node_voxels *iso_made_bricks_voxels(const iso_node_levels *n);
 /* Rounds nodes as iso_node_levels_round() does. */
 void iso_nodes_round(const iso_node_levels *n, float *nodes, size_t count);

@@ -262,12 +262,11 @@ static bool filter_sharp(const iso_node_box *fine, const iso_node_box *coarse, i
     return true;
 }
 
-bool iso_node_box_filter(const iso_node_box *fine, iso_node_filter filter, const iso_node_box *coarse,
-                         iso_node_buffers *buffers)
+bool iso_node_box_filter(const iso_node_box *fine, const iso_node_box *coarse, iso_node_buffers *buffers)
 {
-    for (size_t c = filter == ISO_NODES_SHARP ? ISO_BOX_MOMENTS : ISO_BOX_SCALAR; c < coarse->channels; ++c)
+    for (size_t c = ISO_BOX_MOMENTS; c < coarse->channels; ++c)
         filter_smooth(fine, c, coarse);
-    return filter != ISO_NODES_SHARP || filter_sharp(fine, coarse, buffers);
+    return filter_sharp(fine, coarse, buffers);
 }
 
 /* ---- conversion to nodes -------------------------------------------------------- */

@@ -90,8 +90,7 @@ void iso_voxel_box_moments(const iso_voxel_box *v, size_t x, size_t y, size_t z,
                            float *const rows[ISO_BOX_CHANNELS]);
 
 /* Filters a fine box of 2 m + 3 nodes per axis to a coarse box. False: no memory. */
-bool iso_node_box_filter(const iso_node_box *fine, iso_node_filter filter, const iso_node_box *coarse,
-                         iso_node_buffers *buffers);
+bool iso_node_box_filter(const iso_node_box *fine, const iso_node_box *coarse, iso_node_buffers *buffers);
 
 /* Converts moments to a direction, in place: d = N/|N| L^2, L = |N| / S. */
 static inline void iso_node_to_direction(float moments[3], float sum)

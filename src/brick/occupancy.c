@@ -31,8 +31,7 @@ iso_status iso_brick_ranges_create(iso_brick_ranges *r, const float *scalar, con
         r->count[a] = (g->size[a] + brick_voxels - 1) / brick_voxels;
     size_t count = iso_brick_ranges_count(r);
     r->min_max = malloc(2 * count * sizeof *r->min_max);
-    if (!r->min_max)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for the ranges of %zu bricks", count);
+    NEED_MEMORY(r->min_max, err, "no memory for the ranges of %zu bricks", count);
 #pragma omp parallel for schedule(static) num_threads(iso_threads(0))
     for (size_t i = 0; i < count; ++i) {
         size_t b[3] = {i % r->count[0], i / r->count[0] % r->count[1], i / (r->count[0] * r->count[1])};

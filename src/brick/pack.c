@@ -131,8 +131,7 @@ iso_status iso_brick_pack_create(iso_brick_pack *pack, const iso_node_levels *n,
                         "bricks: need %zu cache textures of %zu x %zu x %zu, at most %d of %zu per side",
                         pack->page_count, pack->size[0], pack->size[1], pack->size[2], ISO_BRICK_MAX_PAGES, max_side);
     pack->layout = calloc(iso_brick_count(n), 4 * sizeof *pack->layout);
-    if (!pack->layout)
-        return iso_fail(err, ISO_E_MEMORY, "bricks: no memory for the layout of %zu bricks", iso_brick_count(n));
+    NEED_MEMORY(pack->layout, err, "bricks: no memory for the layout of %zu bricks", iso_brick_count(n));
     place(pack, n, levels, visible);
     return ISO_OK;
 }

@@ -52,8 +52,7 @@ static iso_status begin(iso_brick_store *store, const iso_brick_field *f, iso_er
     store->brick_count = count;
     store->bricks = calloc(count, sizeof *store->bricks);
     store->levels = malloc(count);
-    if (!store->bricks || !store->levels)
-        return iso_fail(err, ISO_E_MEMORY, "bricks: no memory for a store of %zu bricks", count);
+    NEED_MEMORY(store->bricks && store->levels, err, "bricks: no memory for a store of %zu bricks", count);
     memcpy(store->levels, f->levels, count);
     return ISO_OK;
 }

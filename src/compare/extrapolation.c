@@ -142,7 +142,7 @@ static void measure_tolerances(const iso_extrapolation_input *of, const iso_imag
 static iso_status test_noise(const iso_extrapolation_input *of, const iso_image *limits, iso_extrapolated *out,
                              iso_error *err)
 {
-    iso_samples samples;
+    OWNED(iso_samples) samples = {0};
     const size_t count = 4 * of->reference->width * of->reference->height;
     if (!isfinite(out->step_bar)) { /* pixels that are not finite: the row differs, and the others go on */
         out->noise_bar = INFINITY;
@@ -170,12 +170,12 @@ static iso_status test_noise(const iso_extrapolation_input *of, const iso_image 
         status = iso_samples_test(&samples, &o, &out->noise, err);
     }
     free(tolerances);
-    iso_samples_destroy(&samples);
     return status;
 }
 
 /* Moves the limits. */
-static iso_status keep_limits(const iso_extrapolation_input *of, iso_image *limits, iso_extrapolated *out, iso_error *err)
+static iso_status keep_limits(const iso_extrapolation_input *of, iso_image *limits, iso_extrapolated *out,
+                              iso_error *err)
 {
     const size_t width = of->reference->width, height = of->reference->height;
     FREED double *tolerances = malloc(4 * width * height * sizeof *tolerances);
@@ -194,9 +194,9 @@ static iso_status keep_limits(const iso_extrapolation_input *of, iso_image *limi
 static iso_status rmse_of(const iso_image *a, const iso_image *b, double *rmse, iso_error *err)
 {
     iso_metrics m = {0};
-    iso_status status = iso_metrics_measure(a, b, &m, err);
+    NEED(iso_metrics_measure(a, b, &m, err));
     *rmse = m.rmse;
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_extrapolate(const iso_extrapolation_input *of, iso_extrapolated *out, iso_error *err)
@@ -264,8 +264,7 @@ static iso_status test_differences(const iso_extrapolated *a, const iso_extrapol
 {
     const size_t seeds = a->kept_count - 1, count = 4 * difference->width * difference->height;
     FREED double *tolerances = malloc(count * sizeof *tolerances);
-    if (!tolerances)
-        return iso_fail(err, ISO_E_MEMORY, "extrapolation: out of memory");
+    NEED_MEMORY(tolerances, err, "extrapolation: out of memory");
     for (size_t k = 0; k < seeds; ++k) {
         subtract(&a->kept[k], &b->kept[k], difference);
         NEED(iso_samples_add(samples, difference, err));

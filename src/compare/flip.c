@@ -323,12 +323,10 @@ static iso_status check(const iso_image *a, const iso_image *b, double ppd, iso_
 static iso_status flip_at(const iso_image *a, const iso_image *b, double ppd, double scale, bool tone, float *map,
                           iso_error *err)
 {
-    percept pb;
-    OWNED(percept) pa = {0};
+    OWNED(percept) pa = {0}, pb = {0};
     NEED(perceive(a, ppd, scale, tone, &pa, err));
     NEED(perceive(b, ppd, scale, tone, &pb, err));
     combine(&pa, &pb, a->width * a->height, map);
-    percept_destroy(&pb);
     return ISO_OK;
 }
 
@@ -344,8 +342,7 @@ iso_status iso_flip_exposures(const iso_image *reference, double *start, double 
 {
     size_t pixels = reference->width * reference->height;
     double *luminance = calloc(pixels, sizeof *luminance);
-    if (!luminance)
-        return iso_fail(err, ISO_E_MEMORY, "FLIP: no memory for %zu pixels", pixels);
+    NEED_MEMORY(luminance, err, "FLIP: no memory for %zu pixels", pixels);
     for (size_t i = 0; i < pixels; ++i) {
         double sum = 0;
         for (int c = 0; c < 3; ++c)

@@ -90,8 +90,7 @@ static iso_status measure(const iso_image *a, const iso_image *b, bool visual, i
     if (m->nonfinite_count > 0)
         return ISO_OK;
     FREED float *map = malloc(count * sizeof *map);
-    if (!map)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu pixels", count);
+    NEED_MEMORY(map, err, "no memory for %zu pixels", count);
     measure_differences(a, b, map, m);
     size_t rank = count - count / 100; /* at least 99 % of the pixels are at or below it */
     m->p99_abs = select_smallest(map, count, rank - 1);

@@ -34,28 +34,28 @@ iso_paired iso_paired_compare(const double *a, const double *b, size_t count, do
 iso_status iso_paired_of_groups(const double *difference, const size_t *group, size_t count, size_t group_count,
                                 double confidence, iso_paired *paired, iso_error *err)
 {
-    double *sums = calloc(group_count + 1, sizeof *sums), mean = 0, squares = 0;
-    size_t *sizes = calloc(group_count + 1, sizeof *sizes), used = 0;
-    iso_status status = sums && sizes ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu groups", group_count);
+    FREED double *sums = calloc(group_count + 1, sizeof *sums);
+    FREED size_t *sizes = calloc(group_count + 1, sizeof *sizes);
+    double mean = 0, squares = 0;
+    size_t used = 0;
     *paired = (iso_paired){NAN, INFINITY};
-    for (size_t i = 0; i < count && status == ISO_OK; ++i)
+    NEED_MEMORY(sums && sizes, err, "no memory for %zu groups", group_count);
+    for (size_t i = 0; i < count; ++i)
         mean += difference[i] / (double)count;
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         sums[group[i]] += difference[i] - mean;
         ++sizes[group[i]];
     }
-    for (size_t g = 0; g < group_count && status == ISO_OK; ++g) {
+    for (size_t g = 0; g < group_count; ++g) {
         used += sizes[g] > 0;
         squares += sums[g] * sums[g];
     }
-    if (status == ISO_OK && count > 0)
+    if (count > 0)
         paired->difference = mean;
-    if (status == ISO_OK && used > 1)
+    if (used > 1)
         paired->half_width = iso_student_quantile(confidence, (double)(used - 1)) *
                              sqrt((double)used / (double)(used - 1) * squares) / (double)count;
-    free(sums);
-    free(sizes);
-    return status;
+    return ISO_OK;
 }
 
 bool iso_paired_is_larger(iso_paired p, double margin)

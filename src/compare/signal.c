@@ -28,8 +28,7 @@ static iso_status measure_p99(const iso_image *image, const double background[3]
 {
     const size_t count = image->width * image->height;
     FREED double *values = malloc(2 * count * sizeof *values);
-    if (!values)
-        return iso_fail(err, ISO_E_MEMORY, "signal: no memory for %zu pixels", count);
+    NEED_MEMORY(values, err, "signal: no memory for %zu pixels", count);
     bool finite = true;
     for (size_t i = 0; i < count; ++i) {
         measure_pixel(image->rgba + 4 * i, background, &values[i], &values[count + i]);

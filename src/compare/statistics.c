@@ -203,8 +203,7 @@ iso_status iso_samples_test(const iso_samples *s, const iso_noise_options *opt, 
                         opt->bias_tolerance);
     *out = (iso_noise_test){.tests = 4 * s->width * s->height, .smallest_p = 1};
     double *sorted = malloc(out->tests * sizeof *sorted);
-    if (!sorted)
-        return iso_fail(err, ISO_E_MEMORY, "statistics: no memory for %zu values", out->tests);
+    NEED_MEMORY(sorted, err, "statistics: no memory for %zu values", out->tests);
     sum_up_tolerances(opt, sorted, out);
     free(sorted);
     out->pixel_significance = sidak(opt->significance, out->tests);

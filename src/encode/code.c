@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "encode/code_kernel.h"
-#include "encode/decode_kernel.h"
+#include "encode/encode_kernel.h"
 
 #define ISO_CODE_POINTER(code, row) [ISO_CODE_##code] = &iso_code_##row,
 static const iso_code_info *const codes[] = {ISO_CODE_LIST(ISO_CODE_POINTER)};

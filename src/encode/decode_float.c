@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "base/simd.h"
-#include "encode/decode_kernel.h"
+#include "encode/encode_kernel.h"
 
 typedef struct vec3f {
     float x, y, z;

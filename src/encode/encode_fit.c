@@ -5,7 +5,6 @@
 #include "encode/code_kernel.h"
 #include "encode/encode_kernel.h"
 #include "encode/fit.h"
-#include "encode/fit_rows.h"
 #include "encode/simd.h"
 
 typedef struct ray {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* encode_kernel.h - the encoders, one per code. They cannot fail, allocate or print.
+/* encode_kernel.h - the encoders, one per code, and the decoder. They cannot fail, allocate or print.
  * directions: 3 finite floats each; bytes: 3 each, 6 for half. */
 #pragma once
 
@@ -25,3 +25,6 @@ ISO_ENCODER_LIST(ISO_ENCODER_DECLARE)
 #undef ISO_ENCODER_DECLARE
 
 void iso_encode_half(const float *restrict directions, uint8_t *restrict bytes, size_t count);
+
+/* Decodes count lattice vectors to directions in single precision; decoder: ISO_DECODER_*; 3 floats per vector. */
+void iso_decode_floats(int decoder, const float *restrict lattice, float *restrict directions, size_t count);

@@ -3,9 +3,7 @@
  * octahedral map; and half floats. */
 #include "encode/code_kernel.h"
 #include "encode/encode_kernel.h"
-#include "encode/fit_rows.h"
 #include "encode/simd.h"
-
 
 /* ---- snorm: 127 d, rounded ---- */
 

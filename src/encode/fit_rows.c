@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* fit_rows.c - the codes "fit" and "snorm" over rows of components, in plain C that the
  * compiler vectorizes for each instruction set, with the same bytes for all. */
-#include "encode/fit_rows.h"
+#include "encode/code_kernel.h"
 
 #include <math.h>
 

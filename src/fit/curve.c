@@ -19,8 +19,8 @@ iso_status iso_fit_curve_create(const iso_tf_table *tf, double length_mm, iso_fi
     const size_t wanted = 2 * FINER * (tf->count - 1) + 1;
     const size_t count = wanted < LEAST ? LEAST : wanted < MOST ? wanted : MOST;
     const double range = tf->hi - tf->lo;
-    const iso_status status = create(count, tf->lo - 0.5 * range, 2 * range / (double)(count - 1), curve, err);
-    for (size_t i = 0; i < count && status == ISO_OK; ++i) {
+    NEED(create(count, tf->lo - 0.5 * range, 2 * range / (double)(count - 1), curve, err));
+    for (size_t i = 0; i < count; ++i) {
         double rgbs[4];
         iso_tf_lookup(tf, curve->lo + (double)i * curve->step, rgbs);
         const double opacity = -expm1(-rgbs[3] * length_mm);
@@ -28,7 +28,7 @@ iso_status iso_fit_curve_create(const iso_tf_table *tf, double length_mm, iso_fi
             curve->entries[4 * i + (size_t)c] = (float)(opacity * rgbs[c]);
         curve->entries[4 * i + 3] = (float)opacity;
     }
-    return status;
+    return ISO_OK;
 }
 
 void iso_fit_curve_destroy(iso_fit_curve *curve)

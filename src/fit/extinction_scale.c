@@ -268,8 +268,7 @@ iso_status iso_extinction_scaler_create(const iso_level *fine, const iso_level *
                                         iso_extinction_scaler **out, iso_error *err)
 {
     iso_extinction_scaler *s = *out = calloc(1, sizeof *s);
-    if (!s)
-        return iso_fail(err, ISO_E_MEMORY, "extinction scale: out of memory");
+    NEED_MEMORY(s, err, "extinction scale: out of memory");
     s->fine = fine, s->coarse = coarse, s->level = level, s->threads = threads;
     iso_status status = iso_interpolation_create(&s->map, fine->geometry.size, level, err);
     TRY(status, check_levels(fine, coarse, &s->map, err));
@@ -325,8 +324,7 @@ static iso_status shown_tf_create(shown_tf *t, const iso_tf_table *tf, double le
     float *depth = t->owned = malloc(4 * n * sizeof *t->owned), *slope = depth + n, *sum = slope + n, *rest = sum + n;
     double integral = 0;
     t->shown_below = calloc(n + 1, sizeof *t->shown_below);
-    if (!t->owned || !t->shown_below)
-        return iso_fail(err, ISO_E_MEMORY, "extinction scale: no memory for %zu entries", n);
+    NEED_MEMORY(t->owned && t->shown_below, err, "extinction scale: no memory for %zu entries", n);
     for (size_t i = 0; i < n; ++i) {
         depth[i] = (float)((double)tf->entries[4 * i + 3] * scale);
         t->shown_below[i + 1] = t->shown_below[i] + (depth[i] > 0);
@@ -476,21 +474,21 @@ static iso_status run_rounds(iso_extinction_scaler *s, const round_context *c, u
 {
     const int threads = iso_threads(s->threads);
     memset(s->octaves, 0, s->map.coarse_count * sizeof *s->octaves);
-    iso_status status = pass(c, 2, 2, first_round, err);
+    NEED(pass(c, 2, 2, first_round, err));
     squares[0] = take_sum(c->sums, threads);
-    for (int round = 1; status == ISO_OK && round <= ROUNDS; ++round) {
+    for (int round = 1; round <= ROUNDS; ++round) {
         multiply(s);
         if (round < ROUNDS)
-            status = pass(c, 3, 1, later_round, err);
+            NEED(pass(c, 3, 1, later_round, err));
     }
     quantize(s, bytes);
-    TRY(status, pass(c, 3, 0, last_look, err));
+    NEED(pass(c, 3, 0, last_look, err));
     squares[1] = take_sum(c->sums, threads);
     if (!(squares[1] < squares[0])) {
         memset(bytes, ISO_EXTINCTION_SCALE_ONE, s->map.coarse_count);
         squares[1] = squares[0];
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_table *original, const iso_tf_table *own,
@@ -499,28 +497,22 @@ iso_status iso_extinction_scaler_apply(iso_extinction_scaler *s, const iso_tf_ta
     const int threads = iso_threads(s->threads);
     const double length_mm = iso_geometry_mean_spacing_mm(&s->fine->geometry);
     const size_t row = s->map.axis[0].fine_size;
-    shown_tf tfs[2] = {{.owned = NULL}};
+    OWNED(shown_tf) of_original = {.owned = NULL}, of_own = {.owned = NULL};
     double squares[2] = {0};
-    thread_sum *sums = calloc((size_t)threads, sizeof *sums);
-    float *rows = malloc((size_t)threads * SCRATCH_ROWS * row * sizeof *rows);
-    iso_status status = sums && rows ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "extinction scale: out of memory");
-    for (int t = 0; t < threads && status == ISO_OK; ++t)
+    FREED thread_sum *sums = calloc((size_t)threads, sizeof *sums);
+    FREED float *rows = malloc((size_t)threads * SCRATCH_ROWS * row * sizeof *rows);
+    NEED_MEMORY(sums && rows, err, "extinction scale: out of memory");
+    for (int t = 0; t < threads; ++t)
         sums[t].scratch = rows + (size_t)t * SCRATCH_ROWS * row;
-    TRY(status, shown_tf_create(&tfs[0], original, length_mm, err));
-    TRY(status, shown_tf_create(&tfs[1], own, length_mm, err));
-    if (status == ISO_OK) {
-        const size_t seen = ISO_FIT_RUN * find_seen(s, &tfs[0], &tfs[1]);
-        const round_context c = {s, &tfs[0], &tfs[1], sums};
-        status = run_rounds(s, &c, bytes, squares, err);
-        const double count = seen > 0 ? (double)seen : 1;
-        if (cost)
-            *cost = (iso_extinction_scale_cost){seen, sqrt(squares[0] / count), sqrt(squares[1] / count)};
-    }
-    shown_tf_destroy(&tfs[0]);
-    shown_tf_destroy(&tfs[1]);
-    free(sums);
-    free(rows);
-    return status;
+    NEED(shown_tf_create(&of_original, original, length_mm, err));
+    NEED(shown_tf_create(&of_own, own, length_mm, err));
+    const size_t seen = ISO_FIT_RUN * find_seen(s, &of_original, &of_own);
+    const round_context c = {s, &of_original, &of_own, sums};
+    NEED(run_rounds(s, &c, bytes, squares, err));
+    const double count = seen > 0 ? (double)seen : 1;
+    if (cost)
+        *cost = (iso_extinction_scale_cost){seen, sqrt(squares[0] / count), sqrt(squares[1] / count)};
+    return ISO_OK;
 }
 
 /* Copies the level's own scale; 1 if it has none. */
@@ -538,7 +530,7 @@ iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const 
 {
     const iso_level *l = &p->levels[level];
     iso_extinction_scaler *s = NULL;
-    iso_tf_table look = {0};
+    OWNED(iso_tf_table) look = {0};
     bool is_made_for = false;
     *bytes = NULL;
     if (level == 0)
@@ -558,7 +550,6 @@ iso_status iso_extinction_scale_level(const iso_pyramid *p, size_t level, const 
         free(*bytes);
         *bytes = NULL;
     }
-    iso_tf_table_destroy(&look);
     iso_extinction_scaler_destroy(s);
     return status;
 }

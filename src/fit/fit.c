@@ -246,20 +246,20 @@ static iso_status solve(fit *f, size_t rounds, iso_error *err)
 static iso_status improve(fit *f, const float limits[2], size_t solver_rounds, float *coarse, double *error,
                           iso_error *err)
 {
-    iso_status status = go(f, linearize_row, coarse, f->gradient, err);
+    NEED(go(f, linearize_row, coarse, f->gradient, err));
     const double start = total(f, 0);
-    TRY(status, solve(f, solver_rounds, err));
-    for (double t = 1; t > 0.1 && status == ISO_OK; t /= 2) {
+    NEED(solve(f, solver_rounds, err));
+    for (double t = 1; t > 0.1; t /= 2) {
         for (size_t i = 0; i < f->coarse_count; ++i)
             f->trial[i] = fminf(fmaxf(coarse[i] + (float)t * f->step[i], limits[0]), limits[1]);
-        status = go(f, errors_of_row, f->trial, NULL, err);
-        if (status == ISO_OK && total(f, 0) < start) {
+        NEED(go(f, errors_of_row, f->trial, NULL, err));
+        if (total(f, 0) < start) {
             memcpy(coarse, f->trial, f->coarse_count * sizeof *coarse);
             *error = total(f, 1);
             break;
         }
     }
-    return status;
+    return ISO_OK;
 }
 
 static void find_limits(const float *fine, size_t count, float limits[2])

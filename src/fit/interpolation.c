@@ -347,7 +347,7 @@ iso_status iso_interpolation_run(const iso_interpolation *map, const iso_interpo
     for (size_t o = 0; o < pass->output_count; ++o)
         memset(pass->outputs[o], 0, map->coarse_count * sizeof(float));
     const int count = iso_threads(threads);
-    scratch *all = calloc((size_t)count, sizeof *all);
+    FREED scratch *all = calloc((size_t)count, sizeof *all);
     bool complete = all;
     for (int t = 0; complete && t < count; ++t)
         complete = scratch_create(&all[t], map, pass);
@@ -355,7 +355,6 @@ iso_status iso_interpolation_run(const iso_interpolation *map, const iso_interpo
         run_intervals(map, pass, all, count);
     for (int t = 0; all && t < count; ++t)
         scratch_destroy(&all[t]);
-    free(all);
     return complete ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %d threads' rows", count);
 }
 

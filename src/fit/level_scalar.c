@@ -60,40 +60,36 @@ static iso_status make_least_squares(const iso_level_scalar_input *in, const iso
                                      iso_error *err)
 {
     const float cell = ldexpf(1, -3 * (int)in->level); /* both sides of the system are by the fine voxel */
-    iso_status status = iso_interpolation_scatter(map, in->level0->scalar, c, in->threads, err);
-    for (size_t i = 0; i < map->coarse_count && status == ISO_OK; ++i)
+    NEED(iso_interpolation_scatter(map, in->level0->scalar, c, in->threads, err));
+    for (size_t i = 0; i < map->coarse_count; ++i)
         c[i] *= cell;
-    return status == ISO_OK ? solve_axes(map, in->level, c, err) : status;
+    return solve_axes(map, in->level, c, err);
 }
 
 static iso_status make_fitted(const iso_level_scalar_input *in, const iso_interpolation *map, float *fitted,
                               iso_fit_report *report, iso_error *err)
 {
-    iso_fit_curve curve;
+    OWNED(iso_fit_curve) curve = {0};
     iso_fit_report unread;
     iso_fit_options opt = iso_fit_defaults();
     const double length_mm = iso_geometry_mean_spacing_mm(&in->level0->geometry);
     opt.threads = in->threads;
-    iso_status status = iso_fit_curve_create(in->tf, length_mm, &curve, err);
-    if (status == ISO_OK)
-        status = iso_fit_scalar(&(iso_fit_problem){map, in->level0->scalar, &curve}, &opt, fitted,
-                                report ? report : &unread, err);
-    iso_fit_curve_destroy(&curve);
-    return status;
+    NEED(iso_fit_curve_create(in->tf, length_mm, &curve, err));
+    return iso_fit_scalar(&(iso_fit_problem){map, in->level0->scalar, &curve}, &opt, fitted, report ? report : &unread,
+                          err);
 }
 
 iso_status iso_level_scalars_make(const iso_level_scalar_input *in, float *least_squares, float *fitted,
                                   iso_fit_report *report, iso_error *err)
 {
-    iso_interpolation map;
+    OWNED(iso_interpolation) map = {0};
     NEED(iso_interpolation_create(&map, in->level0->geometry.size, in->level, err));
-    iso_status status = make_least_squares(in, &map, least_squares, err);
-    if (status == ISO_OK && fitted) {
+    NEED(make_least_squares(in, &map, least_squares, err));
+    if (fitted) {
         memcpy(fitted, least_squares, map.coarse_count * sizeof *fitted);
-        status = make_fitted(in, &map, fitted, report, err);
+        NEED(make_fitted(in, &map, fitted, report, err));
     }
-    iso_interpolation_destroy(&map);
-    return status;
+    return ISO_OK;
 }
 
 /* The fine voxels of a coarse one. */
@@ -196,15 +192,13 @@ static void compare(const iso_level *l, const float *made, iso_level_check *chec
 static iso_status add_scale(const iso_pyramid *p, size_t level, size_t scene, iso_extinction_scaler *scaler,
                             uint8_t *made, size_t *sums, iso_error *err)
 {
-    iso_tf_table tf = {0}, own = {0};
-    iso_status status = iso_level_scene_tf(p, scene, &tf, err);
-    TRY(status, iso_level_look(p, level, &tf, &own, NULL, err));
-    TRY(status, iso_extinction_scaler_apply(scaler, &tf, &own, made, NULL, err));
-    for (size_t i = 0; i < iso_geometry_voxel_count(&p->levels[level].geometry) && status == ISO_OK; ++i)
+    OWNED(iso_tf_table) tf = {0}, own = {0};
+    NEED(iso_level_scene_tf(p, scene, &tf, err));
+    NEED(iso_level_look(p, level, &tf, &own, NULL, err));
+    NEED(iso_extinction_scaler_apply(scaler, &tf, &own, made, NULL, err));
+    for (size_t i = 0; i < iso_geometry_voxel_count(&p->levels[level].geometry); ++i)
         sums[i] += made[i];
-    iso_tf_table_destroy(&tf);
-    iso_tf_table_destroy(&own);
-    return status;
+    return ISO_OK;
 }
 
 /* Makes a level's extinction scale again: the mean of those for its scenes. */
@@ -215,8 +209,8 @@ static iso_status compare_scale(const iso_pyramid *p, size_t level, int threads,
     iso_extinction_scaler *scaler = NULL;
     if (!l->scale)
         return ISO_OK;
-    uint8_t *made = malloc(bytes);
-    size_t *sums = calloc(bytes, sizeof *sums);
+    FREED uint8_t *made = malloc(bytes);
+    FREED size_t *sums = calloc(bytes, sizeof *sums);
     iso_status status = made && sums ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "no memory for %zu voxels", bytes);
     TRY(status, iso_extinction_scaler_create(&p->levels[0], l, level, threads, &scaler, err));
     for (size_t i = 0; i < scenes; ++i)
@@ -225,40 +219,33 @@ static iso_status compare_scale(const iso_pyramid *p, size_t level, int threads,
         if (l->scale[i] != iso_extinction_scale_mean(sums[i], scenes))
             note(l, i, "extinction scale", check);
     iso_extinction_scaler_destroy(scaler);
-    free(made);
-    free(sums);
     return status;
 }
 
 iso_status iso_fit_verify(const iso_pyramid *p, int threads, iso_level_check *checks, const iso_progress *progress,
                           iso_error *err)
 {
-    iso_tf_table tf = {0};
+    OWNED(iso_tf_table) tf = {0};
     iso_level_scalar kinds[32];
-    iso_status status = iso_pyramid_verify(p, threads, checks, progress, err);
-    if (status != ISO_OK || !p->made_for)
-        return status;
-    status = iso_level_scalars_read(p, &tf, kinds, err);
-    for (size_t k = 1; k < p->level_count && status == ISO_OK; ++k) {
+    NEED(iso_pyramid_verify(p, threads, checks, progress, err));
+    if (!p->made_for)
+        return ISO_OK;
+    NEED(iso_level_scalars_read(p, &tf, kinds, err));
+    for (size_t k = 1; k < p->level_count; ++k) {
         const size_t bytes = iso_geometry_voxel_count(&p->levels[k].geometry) * sizeof(float);
-        float *made[2] = {malloc(bytes), malloc(bytes)};
-        if (!made[0] || !made[1])
-            status = iso_fail(err, ISO_E_MEMORY, "no memory to make level %zu again", k);
+        FREED float *least_squares = malloc(bytes), *fitted = malloc(bytes);
+        NEED_MEMORY(least_squares && fitted, err, "no memory to make level %zu again", k);
         iso_progress_report(progress, "levels", (double)k / (double)p->level_count);
-        if (status == ISO_OK && kinds[k] != ISO_LEVEL_AS_BUILT && kinds[k] != ISO_LEVEL_OPTIMIZED) {
-            const bool fitted = kinds[k] == ISO_LEVEL_FITTED;
+        if (kinds[k] != ISO_LEVEL_AS_BUILT && kinds[k] != ISO_LEVEL_OPTIMIZED) {
+            const bool is_fitted = kinds[k] == ISO_LEVEL_FITTED;
             const iso_level_scalar_input in = {&p->levels[0], &tf, k, threads};
-            status = iso_level_scalars_make(&in, made[0], fitted ? made[1] : NULL, NULL, err);
-            if (status == ISO_OK && kinds[k] == ISO_LEVEL_DAMPED)
-                iso_level_scalar_damp(&in, made[0]);
-            if (status == ISO_OK)
-                compare(&p->levels[k], made[fitted], &checks[k]);
+            NEED(iso_level_scalars_make(&in, least_squares, is_fitted ? fitted : NULL, NULL, err));
+            if (kinds[k] == ISO_LEVEL_DAMPED)
+                iso_level_scalar_damp(&in, least_squares);
+            compare(&p->levels[k], is_fitted ? fitted : least_squares, &checks[k]);
         }
-        if (status == ISO_OK && kinds[k] != ISO_LEVEL_OPTIMIZED)
-            status = compare_scale(p, k, threads, &checks[k], err);
-        free(made[0]);
-        free(made[1]);
+        if (kinds[k] != ISO_LEVEL_OPTIMIZED)
+            NEED(compare_scale(p, k, threads, &checks[k], err));
     }
-    iso_tf_table_destroy(&tf);
-    return status;
+    return ISO_OK;
 }

@@ -55,8 +55,7 @@ iso_status iso_gradient_slab(const iso_volume *v, const iso_gradient_options *op
         return iso_fail(err, ISO_E_RANGE, "gradient: planes %zu to %zu, the volume has %zu", z0, z1, n[2]);
     const size_t scratch_count = 6 * nx + iso_gradient_scratch_count(nx);
     float *scratch = malloc((size_t)threads * scratch_count * sizeof *scratch);
-    if (!scratch)
-        return iso_fail(err, ISO_E_MEMORY, "gradient: no memory for %d threads' rows of %zu voxels", threads, nx);
+    NEED_MEMORY(scratch, err, "gradient: no memory for %d threads' rows of %zu voxels", threads, nx);
     const iso_gradient_matrix matrix = iso_gradient_matrix_from(iso_geometry_gradient_to_world(&v->geometry));
     const iso_planes planes = {.data = v->data, .type = v->type, .size = {nx, ny, n[2]}, .count = n[2],
                                .has_no_data = v->geometry.has_no_data};

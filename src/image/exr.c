@@ -32,7 +32,7 @@ iso_status iso_exr_verify(const char *path, const iso_image *image, iso_error *e
 
 iso_status iso_image_save_exr(const iso_image *image, const char *path, const iso_image_note *notes, iso_error *err)
 {
-    iso_output out;
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
     FREED char *data = NULL;
     size_t size = 0;
     NEED(iso_output_begin(&out, path, err));
@@ -42,7 +42,6 @@ iso_status iso_image_save_exr(const iso_image *image, const char *path, const is
     if (status == ISO_OK)
         return iso_output_commit(&out, err);
     iso_output_rename_in(out.temp_path, path, err);
-    iso_output_abandon(&out);
     return status;
 }
 

@@ -141,13 +141,12 @@ static iso_status check_tiles(const reader *r, const extents *e, iso_error *err)
 static iso_status check_one(reader *r, iso_error *err)
 {
     extents e = {0};
-    iso_status status = ISO_OK;
-    while (status == ISO_OK && r->at < r->size && r->data[r->at])
-        status = check_attribute(r, &e, err);
-    if (status == ISO_OK && r->at >= r->size)
+    while (r->at < r->size && r->data[r->at])
+        NEED(check_attribute(r, &e, err));
+    if (r->at >= r->size)
         return fail_short(r, err);
     ++r->at;
-    return status == ISO_OK ? check_tiles(r, &e, err) : status;
+    return check_tiles(r, &e, err);
 }
 
 iso_status iso_exr_header_check(const char *path, const char *data, size_t size, iso_error *err)

@@ -18,8 +18,7 @@ iso_status iso_image_create(iso_image *image, size_t width, size_t height, iso_e
     if (width == 0 || height == 0 || width > SIZE_MAX / 16 / height)
         return iso_fail(err, ISO_E_RANGE, "image size %zu x %zu is empty or cannot be addressed", width, height);
     image->rgba = calloc(width * height * 4, sizeof *image->rgba);
-    if (!image->rgba)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for an image of %zu x %zu", width, height);
+    NEED_MEMORY(image->rgba, err, "no memory for an image of %zu x %zu", width, height);
     image->width = width;
     image->height = height;
     return ISO_OK;
@@ -74,25 +73,17 @@ static iso_status check_exposure(double exposure, iso_error *err)
 iso_status iso_image_save_png(const iso_image *image, const char *path, double exposure, iso_error *err)
 {
     NEED(check_exposure(exposure, err));
-    uint8_t *rgb = srgb_pixels(image, exposure);
-    if (!rgb)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu x %zu pixels", path, image->width, image->height);
-    iso_output out;
-    iso_status status = iso_output_begin(&out, path, err);
-    if (status == ISO_OK) {
-        png_image png = {.version = PNG_IMAGE_VERSION,
-                         .width = (png_uint_32)image->width,
-                         .height = (png_uint_32)image->height,
-                         .format = PNG_FORMAT_RGB};
-        if (png_image_write_to_file(&png, out.temp_path, 0, rgb, 0, NULL)) {
-            status = iso_output_commit(&out, err);
-        } else {
-            status = iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, png.message);
-            iso_output_abandon(&out);
-        }
-    }
-    free(rgb);
-    return status;
+    FREED uint8_t *rgb = srgb_pixels(image, exposure);
+    NEED_MEMORY(rgb, err, "%s: no memory for %zu x %zu pixels", path, image->width, image->height);
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
+    NEED(iso_output_begin(&out, path, err));
+    png_image png = {.version = PNG_IMAGE_VERSION,
+                     .width = (png_uint_32)image->width,
+                     .height = (png_uint_32)image->height,
+                     .format = PNG_FORMAT_RGB};
+    if (!png_image_write_to_file(&png, out.temp_path, 0, rgb, 0, NULL))
+        return iso_fail(err, ISO_E_IO, "%s: cannot be written: %s", path, png.message);
+    return iso_output_commit(&out, err);
 }
 
 iso_status iso_image_png(const iso_image *image, double exposure, unsigned char **bytes, size_t *size, iso_error *err)
@@ -171,14 +162,14 @@ iso_status iso_ppm_decode(const char *path, const char *data, size_t size, iso_i
     if (width == 0 || height == 0 || width > 1000000 || height > 1000000 || (size_t)(end - at) < width * height * 6)
         return iso_fail(err, ISO_E_FORMAT, "%s: holds %zu bytes of pixels, %zu x %zu need %zu", path,
                         (size_t)(end - at), width, height, width * height * 6);
-    iso_status status = iso_image_create(image, width, height, err);
+    NEED(iso_image_create(image, width, height, err));
     const uint8_t *sample = (const uint8_t *)at;
-    for (size_t i = 0; status == ISO_OK && i < width * height; ++i) {
+    for (size_t i = 0; i < width * height; ++i) {
         for (size_t c = 0; c < 3; ++c, sample += 2)
             image->rgba[4 * i + c] = (float)((sample[0] << 8 | sample[1]) / 65535.0);
         image->rgba[4 * i + 3] = 1;
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_image_load_ppm(const char *path, iso_image *image, iso_error *err)

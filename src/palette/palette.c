@@ -42,8 +42,7 @@ iso_status iso_palette_create(iso_palette *palette, size_t direction_count, iso_
     if (direction_count > ISO_PALETTE_MAX)
         return iso_fail(err, ISO_E_RANGE, "palette: %zu directions, at most %d", direction_count, ISO_PALETTE_MAX);
     palette->xyz = calloc(3 * (direction_count + 1), sizeof *palette->xyz);
-    if (!palette->xyz)
-        return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu entries", direction_count + 1);
+    NEED_MEMORY(palette->xyz, err, "palette: no memory for %zu entries", direction_count + 1);
     palette->count = direction_count + 1;
     return ISO_OK;
 }

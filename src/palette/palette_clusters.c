@@ -279,9 +279,9 @@ double iso_clusters_lloyd(clusters *c, size_t rounds)
 
 iso_status iso_clusters_to_palette(const clusters *c, iso_palette *palette, iso_error *err)
 {
-    const iso_status status = iso_palette_create(palette, c->count, err);
-    for (size_t k = 0; status == ISO_OK && k < c->count; ++k)
+    NEED(iso_palette_create(palette, c->count, err));
+    for (size_t k = 0; k < c->count; ++k)
         for (size_t a = 0; a < 3; ++a)
             palette->xyz[3 * (k + 1) + a] = c->axis[a][k];
-    return status;
+    return ISO_OK;
 }

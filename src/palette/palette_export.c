@@ -63,7 +63,7 @@ static bool parse_line(const char *line, size_t wanted, float xyz[3])
 
 iso_status iso_palette_load_csv(const char *path, iso_palette *palette, iso_error *err)
 {
-    char *text = NULL;
+    FREED char *text = NULL;
     size_t size, lines = 0;
     *palette = (iso_palette){0};
     iso_status status = iso_inputs_note(path, err);
@@ -93,7 +93,6 @@ iso_status iso_palette_load_csv(const char *path, iso_palette *palette, iso_erro
     }
     if (status != ISO_OK)
         iso_palette_destroy(palette);
-    free(text);
     return status;
 }
 

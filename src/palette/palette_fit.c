@@ -9,10 +9,10 @@
 /* Makes each direction an entry, if there are no more directions than entries. */
 static iso_status one_entry_each(const iso_direction_set *set, iso_palette *palette, iso_error *err)
 {
-    iso_status status = iso_palette_create(palette, set->count, err);
-    if (status == ISO_OK && set->count)
+    NEED(iso_palette_create(palette, set->count, err));
+    if (set->count)
         memcpy(palette->xyz + 3, set->xyz, 3 * set->count * sizeof *palette->xyz);
-    return status;
+    return ISO_OK;
 }
 
 /* Swaps are tried on a set of at most this many bundles per entry, enough to find places that need entries. */
@@ -37,36 +37,29 @@ static iso_status fit_search(clusters *c, const iso_palette_options *opt, iso_ra
 {
     NEED(iso_clusters_seed_greedy(c, random, err));
     iso_clusters_lloyd(c, 20);
-    iso_status status = iso_clusters_improve(c, opt->swap_trials, random, progress, err);
+    NEED(iso_clusters_improve(c, opt->swap_trials, random, progress, err));
     /* The exchange considers neighbors only; this assigns each item to the nearest of all entries. */
     iso_clusters_lloyd(c, 2);
-    return status;
+    return ISO_OK;
 }
 
 /* Fits large sets: searches on a coarse set, then runs Lloyd on all. */
 static iso_status fit_large(clusters *c, const iso_direction_set *set, const iso_palette_options *opt,
                             iso_random *random, const iso_progress *progress, iso_error *err)
 {
-    iso_direction_set coarse = {0};
-    clusters few = {0};
-    iso_status status = coarsen(set, c->count, &coarse, err);
-    if (status == ISO_OK && coarse.count <= c->count) {
-        /* All directions are in a few cells: bundling gains nothing. */
-        iso_direction_set_destroy(&coarse);
+    OWNED(iso_direction_set) coarse = {0};
+    ENDED_BY(iso_clusters_destroy) clusters few = {0};
+    NEED(coarsen(set, c->count, &coarse, err));
+    if (coarse.count <= c->count) /* all directions are in a few cells: bundling gains nothing */
         return fit_search(c, opt, random, progress, err);
-    }
-    TRY(status, iso_clusters_create(&few, &coarse, c->count, err));
-    TRY(status, fit_search(&few, opt, random, progress, err));
-    for (uint32_t k = 0; status == ISO_OK && k < c->count; ++k)
+    NEED(iso_clusters_create(&few, &coarse, c->count, err));
+    NEED(fit_search(&few, opt, random, progress, err));
+    for (uint32_t k = 0; k < c->count; ++k)
         for (int a = 0; a < 3; ++a)
             c->axis[a][k] = few.axis[a][k];
-    iso_clusters_destroy(&few);
-    iso_direction_set_destroy(&coarse);
-    if (status == ISO_OK) {
-        iso_clusters_assign_all(c);
-        iso_clusters_lloyd(c, 10);
-    }
-    return status;
+    iso_clusters_assign_all(c);
+    iso_clusters_lloyd(c, 10);
+    return ISO_OK;
 }
 
 static iso_status fit_kmeans(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,
@@ -76,26 +69,23 @@ static iso_status fit_kmeans(const iso_direction_set *set, const iso_palette_opt
         return one_entry_each(set, palette, err);
     ENDED_BY(iso_clusters_destroy) clusters c = {0};
     iso_random random = {opt->seed};
-    iso_status status = iso_clusters_create(&c, set, opt->directions, err);
-    if (status == ISO_OK && set->count > SEARCH_BUNDLES * c.count)
-        status = fit_large(&c, set, opt, &random, progress, err);
-    else if (status == ISO_OK)
-        status = fit_search(&c, opt, &random, progress, err);
-    TRY(status, iso_clusters_to_palette(&c, palette, err));
-    return status;
+    NEED(iso_clusters_create(&c, set, opt->directions, err));
+    NEED(set->count > SEARCH_BUNDLES * c.count ? fit_large(&c, set, opt, &random, progress, err)
+                                               : fit_search(&c, opt, &random, progress, err));
+    return iso_clusters_to_palette(&c, palette, err);
 }
 
 /* Makes the spherical Fibonacci lattice, which does not depend on data. */
 static iso_status make_lattice(size_t directions, iso_palette *palette, iso_error *err)
 {
     const double golden_angle = acos(-1) * (3 - sqrt(5));
-    const iso_status status = iso_palette_create(palette, directions, err);
-    for (size_t i = 0; status == ISO_OK && i < directions; ++i) {
+    NEED(iso_palette_create(palette, directions, err));
+    for (size_t i = 0; i < directions; ++i) {
         const double z = 1 - (2 * (double)i + 1) / (double)directions, r = sqrt(1 - z * z);
         const double a = golden_angle * (double)i;
         iso_palette_put(palette, i + 1, iso_v3(r * cos(a), r * sin(a), z));
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_palette_fit(const iso_direction_set *set, const iso_palette_options *opt, iso_palette *palette,

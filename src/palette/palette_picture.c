@@ -101,7 +101,7 @@ iso_status iso_palette_picture_png(const iso_palette *palette, const iso_directi
     static const double white[3] = {1, 1, 1};
     const view views[2] = {front_view(), back_view()};
     iso_palette_lookup *lookup = NULL;
-    iso_image image = {0};
+    OWNED(iso_image) image = {0};
     FREED uint16_t *index = malloc((size_t)SIDE * SIDE * sizeof *index);
     iso_status status = index ? iso_palette_lookup_create(palette, &lookup, err)
                               : iso_fail(err, ISO_E_MEMORY, "%s: no memory for its pixels", path);
@@ -117,7 +117,6 @@ iso_status iso_palette_picture_png(const iso_palette *palette, const iso_directi
         }
         status = iso_image_save_png(&image, path, 1, err);
     }
-    iso_image_destroy(&image);
     iso_palette_lookup_destroy(lookup);
     return status;
 }

@@ -169,8 +169,7 @@ iso_status iso_palette_sample_field(iso_direction_pool *pool, const float *vecto
     for (size_t i = 0; magnitudes && i < count; ++i)
         most = magnitudes[i] > most ? magnitudes[i] : most;
     FREED float *weights = malloc((count + 1) * sizeof *weights);
-    if (!weights)
-        return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu weights", count);
+    NEED_MEMORY(weights, err, "palette: no memory for %zu weights", count);
     weigh_row(w, vectors, magnitudes, scalars, magnitudes && most > 0 ? 1 / most : 1, count, weights);
     iso_direction_pool_add(pool, vectors, weights, count);
     return ISO_OK;

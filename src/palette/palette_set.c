@@ -63,8 +63,7 @@ iso_status iso_direction_set_create(iso_direction_set *set, const float *vectors
 {
     *set = (iso_direction_set){0};
     FREED member *members = malloc((count + 1) * sizeof *members);
-    if (!members)
-        return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu directions", count);
+    NEED_MEMORY(members, err, "palette: no memory for %zu directions", count);
     size_t used = 0, distinct = 0;
     double undefined = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -112,8 +111,7 @@ iso_status iso_direction_set_coarsen(const iso_direction_set *set, int cells, is
     size_t bins = (size_t)6 * (size_t)cells * (size_t)cells, count = 0, at = 0;
     *out = (iso_direction_set){0};
     FREED cell_sum *sums = calloc(bins, sizeof *sums);
-    if (!sums)
-        return iso_fail(err, ISO_E_MEMORY, "palette: no memory for %zu bins", bins);
+    NEED_MEMORY(sums, err, "palette: no memory for %zu bins", bins);
     for (size_t i = 0; i < set->count; ++i) {
         const float *u = set->xyz + 3 * i;
         iso_cube_point p;
@@ -125,12 +123,12 @@ iso_status iso_direction_set_coarsen(const iso_direction_set *set, int cells, is
         for (int c = 0; c < 3; ++c)
             cell->sum[c] += set->weight[i] * (double)set->length[i] * (double)u[c];
     }
-    iso_status status = set_allocate(out, count, err);
-    for (size_t bin = 0; bin < bins && status == ISO_OK; ++bin)
+    NEED(set_allocate(out, count, err));
+    for (size_t bin = 0; bin < bins; ++bin)
         if (sums[bin].weight > 0)
             put_bundle(out, at++, sums[bin].sum, sums[bin].weight);
     out->undefined_weight = set->undefined_weight;
-    return status;
+    return ISO_OK;
 }
 
 /* ---- pool -------------------------------------------------------------------- */

@@ -85,8 +85,8 @@ iso_status iso_gate_minify(const iso_image *from, size_t level, iso_image *to, i
 {
     const size_t n = (size_t)1 << level, width = (from->width + n - 1) >> level,
                  height = (from->height + n - 1) >> level;
-    const iso_status status = iso_image_create(to, width, height, err);
-    for (size_t i = 0; i < width * height && status == ISO_OK; ++i) {
+    NEED(iso_image_create(to, width, height, err));
+    for (size_t i = 0; i < width * height; ++i) {
         double sum[4] = {0}, count = 0;
         for (size_t y = i / width * n; y < i / width * n + n && y < from->height; ++y)
             for (size_t x = i % width * n; x < i % width * n + n && x < from->width; ++x, ++count)
@@ -95,7 +95,7 @@ iso_status iso_gate_minify(const iso_image *from, size_t level, iso_image *to, i
         for (size_t c = 0; c < 4; ++c)
             to->rgba[4 * i + c] = (float)(sum[c] / count);
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status measure(const iso_image *truth, const iso_image *image, double *ssim_dissimilarity, double *rmse,
@@ -103,11 +103,11 @@ static iso_status measure(const iso_image *truth, const iso_image *image, double
 {
     iso_metrics m = {0};
     double ssim = 1;
-    iso_status status = iso_ssim_foreground(truth, image, &ssim, err);
-    TRY(status, iso_metrics_measure_differences(truth, image, &m, err));
+    NEED(iso_ssim_foreground(truth, image, &ssim, err));
+    NEED(iso_metrics_measure_differences(truth, image, &m, err));
     *ssim_dissimilarity = 1 - ssim;
     *rmse += m.rmse;
-    return status;
+    return ISO_OK;
 }
 
 static iso_status draw(const iso_level_gate *gate, int i, const iso_level *level, iso_image *image, iso_error *err)
@@ -121,13 +121,12 @@ static iso_status open_gate(iso_level_gate *gate, const iso_pyramid *p, const is
                             int threads, iso_error *err)
 {
     iso_random r = {.state = GATE_SEED};
-    iso_status status = ISO_OK;
     *gate = (iso_level_gate){.p = p, .threads = threads, .view_count = view_count};
-    for (int i = 0; i < view_count && status == ISO_OK; ++i) {
-        status = iso_gate_random_view(p, scene, i % 2 == 0, &r, &gate->views[i], err);
-        TRY(status, draw(gate, i, &p->levels[0], &gate->truth[i], err));
+    for (int i = 0; i < view_count; ++i) {
+        NEED(iso_gate_random_view(p, scene, i % 2 == 0, &r, &gate->views[i], err));
+        NEED(draw(gate, i, &p->levels[0], &gate->truth[i], err));
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_level_gate_open(iso_level_gate *gate, const iso_pyramid *p, const iso_scene *scene, int threads,
@@ -139,13 +138,13 @@ iso_status iso_level_gate_open(iso_level_gate *gate, const iso_pyramid *p, const
 iso_status iso_gate_edit_tf(const iso_pyramid *p, const iso_tf *tf, double shift, double factor, iso_tf *edited,
                             iso_error *err)
 {
-    const iso_status status = iso_tf_copy(tf, edited, err);
+    NEED(iso_tf_copy(tf, edited, err));
     const double range = tf->fit_range ? 1 : iso_pyramid_hi(p) - iso_pyramid_lo(p);
-    for (size_t i = 0; i < edited->point_count && status == ISO_OK; ++i) {
+    for (size_t i = 0; i < edited->point_count; ++i) {
         edited->points[i].value += shift * range;
         edited->points[i].opacity = fmin(factor * edited->points[i].opacity, 1);
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Compares level 0's pictures with themselves as a display of 8 bits shows them. */
@@ -206,17 +205,15 @@ void iso_level_gate_close(iso_level_gate *gate)
 static iso_status compare(const iso_level_gate *gate, int i, size_t level, const iso_image *image, iso_level_seen *seen,
                           iso_error *err)
 {
-    iso_image small_truth = {0}, small = {0};
+    OWNED(iso_image) small_truth = {0}, small = {0};
     double small_ssim_dissimilarity = 0;
-    iso_status status = measure(&gate->truth[i], image, &seen->of_view[i], &seen->rmse, err);
-    TRY(status, iso_gate_minify(&gate->truth[i], level, &small_truth, err));
-    TRY(status, iso_gate_minify(image, level, &small, err));
-    TRY(status, measure(&small_truth, &small, &small_ssim_dissimilarity, &seen->small_rmse, err));
+    NEED(measure(&gate->truth[i], image, &seen->of_view[i], &seen->rmse, err));
+    NEED(iso_gate_minify(&gate->truth[i], level, &small_truth, err));
+    NEED(iso_gate_minify(image, level, &small, err));
+    NEED(measure(&small_truth, &small, &small_ssim_dissimilarity, &seen->small_rmse, err));
     seen->ssim_dissimilarity += seen->of_view[i];
     seen->small_ssim_dissimilarity += small_ssim_dissimilarity;
-    iso_image_destroy(&small_truth);
-    iso_image_destroy(&small);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_level_gate_look(iso_level_gate *gate, size_t level, const iso_shown_level *shown, iso_level_seen *seen,

@@ -96,24 +96,19 @@ static iso_status draw_truth(training *t, const iso_scene *scenes, size_t i, iso
 {
     picture *c = &t->pictures[i];
     iso_cpu_options opt = iso_cpu_defaults();
-    iso_image image = {0}, small = {0};
+    OWNED(iso_image) image = {0}, small = {0};
     c->scene = i / 4 % t->opt->scene_count;
-    iso_status status = iso_gate_random_view(t->p, &scenes[c->scene], i % 4 == 0, &t->random, &c->view, err);
-    if (status == ISO_OK && i % 4 == 1 && !t->opt->only_tf)
+    NEED(iso_gate_random_view(t->p, &scenes[c->scene], i % 4 == 0, &t->random, &c->view, err));
+    if (i % 4 == 1 && !t->opt->only_tf)
         edit_tf(c, (double)t->range, &t->random);
     opt.threads = t->opt->threads;
     t->side = c->view.width;
-    TRY(status, iso_cpu_render(&t->p->levels[0], t->p->options.code, &c->view, &opt, &image, err));
-    TRY(status, iso_gate_minify(&image, t->level, &small, err));
-    if (status == ISO_OK) {
-        t->small_side = small.width;
-        c->rgba = encode_picture(&image, err);
-        c->small = encode_picture(&small, err);
-        status = c->rgba && c->small ? ISO_OK : ISO_E_MEMORY;
-    }
-    iso_image_destroy(&small);
-    iso_image_destroy(&image);
-    return status;
+    NEED(iso_cpu_render(&t->p->levels[0], t->p->options.code, &c->view, &opt, &image, err));
+    NEED(iso_gate_minify(&image, t->level, &small, err));
+    t->small_side = small.width;
+    c->rgba = encode_picture(&image, err);
+    c->small = encode_picture(&small, err);
+    return c->rgba && c->small ? ISO_OK : ISO_E_MEMORY;
 }
 
 static bool shows_something(const training *t, const patch *at)
@@ -132,8 +127,7 @@ static iso_status list_patches(training *t, iso_error *err)
     const size_t tiles = (t->side + TILE - 1) / TILE;
     size_t shown = 0, empty = 0;
     t->patches = malloc(t->view_count * tiles * tiles * sizeof *t->patches);
-    if (!t->patches)
-        return iso_fail(err, ISO_E_MEMORY, "optimize: no memory for a list of patches");
+    NEED_MEMORY(t->patches, err, "optimize: no memory for a list of patches");
     for (size_t i = 0; i < t->view_count * tiles * tiles; ++i) {
         const size_t tile = i % (tiles * tiles);
         const patch at = {(uint16_t)(i / (tiles * tiles)), (uint16_t)(tile % tiles * TILE),
@@ -236,8 +230,7 @@ static iso_status step(training *t, size_t number, double *loss, iso_error *err)
     iso_error errors[BUFFERS];
     double losses[BUFFERS] = {0};
     patch *chosen = malloc(t->patches_per_step * sizeof *chosen);
-    if (!chosen)
-        return iso_fail(err, ISO_E_MEMORY, "optimize: out of memory");
+    NEED_MEMORY(chosen, err, "optimize: out of memory");
     for (size_t i = 0; i < t->patches_per_step; ++i)
         chosen[i] = t->patches[iso_random_below(&t->random, t->patch_count)];
 #pragma omp parallel for schedule(static, 1) num_threads(threads)
@@ -295,7 +288,7 @@ static iso_status begin(training *t, iso_error *err)
     }
     if (status != ISO_OK)
         return status;
-    float *directions = malloc(3 * t->voxels * sizeof *directions);
+    FREED float *directions = malloc(3 * t->voxels * sizeof *directions);
     const bool complete = allocate(t) && directions;
     if (complete) {
         iso_code_decode_all(t->p->options.code, level->codes, directions, t->voxels);
@@ -305,7 +298,6 @@ static iso_status begin(training *t, iso_error *err)
             t->octaves[i] = t->starts->scale ? (float)iso_extinction_scale_log2(t->starts->scale[i]) : 0;
         }
     }
-    free(directions);
     return complete ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "optimize: no memory for %zu voxels", t->voxels);
 }
 
@@ -404,8 +396,7 @@ iso_status iso_optimize_level(const iso_pyramid *p, size_t level, const iso_scen
     *out = (iso_optimized){0};
     NEED(check(p, err));
     training *t = calloc(1, sizeof *t);
-    if (!t)
-        return iso_fail(err, ISO_E_MEMORY, "optimize: out of memory");
+    NEED_MEMORY(t, err, "optimize: out of memory");
     *t = (training){
         .p = p, .opt = opt, .starts = starts, .geometry = &p->levels[level].geometry, .random = {.state = opt->seed}};
     t->view_count = efforts[opt->effort].views;

@@ -279,8 +279,7 @@ static iso_status find_footprints(const iso_plan_errors *plan, const iso_node_le
     size_t columns = (view->width + stride - 1) / stride, rows = (view->height + stride - 1) / stride;
     const iso_progress *progress = iso_progress_current();
     double *seen = calloc(plan->brick_count * rows, sizeof *seen);
-    if (!seen)
-        return iso_fail(err, ISO_E_MEMORY, "plan: no memory for the footprints of %zu bricks", plan->brick_count);
+    NEED_MEMORY(seen, err, "plan: no memory for the footprints of %zu bricks", plan->brick_count);
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads))
     for (size_t row = 0; row < rows; ++row)
         for (size_t column = 0; column < columns && !iso_progress_poll(progress); ++column) {
@@ -335,8 +334,7 @@ static iso_status add_view(iso_plan_errors *plan, const iso_node_levels *n, cons
     iso_brick_cull(&finest, &view->tf, NULL, threads, shown);
     NEED(find_footprints(plan, n, view, shown, threads, footprints, err));
     double(*integral)[4] = integrate_tf(&view->tf);
-    if (!integral)
-        return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu entries of a transfer function", view->tf.count);
+    NEED_MEMORY(integral, err, "plan: no memory for %zu entries of a transfer function", view->tf.count);
     const estimator e = {n, view, (const double(*)[4])integral, iso_geometry_mean_spacing_mm(&n->geometry)};
     iso_status status = add_errors_of_view(plan, &e, footprints, shown, threads, err);
     free(integral);

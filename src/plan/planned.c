@@ -22,8 +22,7 @@ static iso_status read_bricks(const char *path, const char *levels, const char *
     plan->levels = malloc(count);
     plan->drawn = malloc(count);
     plan->seen = malloc(count);
-    if (!plan->levels || !plan->drawn || !plan->seen)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bricks", path, count);
+    NEED_MEMORY(plan->levels && plan->drawn && plan->seen, err, "%s: no memory for %zu bricks", path, count);
     for (size_t i = 0; i < count; ++i) {
         size_t level = (size_t)(levels[i] - '0');
         if (level >= plan->level_count || !strchr("dhu", use[i]))
@@ -162,11 +161,8 @@ iso_status iso_planned_create_of(iso_plan_file *plan, const char *path, const is
     *p = (iso_planned){.plan = *plan, .tfs = subject->tfs, .tf_count = subject->tf_count};
     *plan = (iso_plan_file){0};
     iso_status status = check_bricks(path, &p->plan, &subject->level0->geometry, err);
-    if (status == ISO_OK) {
-        const iso_node_options opt = {p->plan.brick_voxels, p->plan.level_count, ISO_NODES_SHARP, true, threads};
-        status = iso_node_levels_create_for(&p->nodes, subject->level0, p->plan.levels, &subject->code, &opt, err);
-        TRY(status, iso_node_levels_measure_ranges(&p->nodes, threads, err));
-    }
+    TRY(status, iso_node_levels_create_for(&p->nodes, subject->level0, p->plan.brick_voxels, p->plan.level_count,
+                                           p->plan.levels, &subject->code, threads, err));
     TRY(status, iso_node_levels_measure_ranges(&p->nodes, threads, err));
     TRY(status, check_match(path, p, threads, err));
     p->build_seconds = iso_clock_seconds() - start;

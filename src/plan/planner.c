@@ -146,9 +146,9 @@ static iso_status measure_blank(const iso_image *full, const iso_view *view, dou
     for (size_t i = 0; i < full->width * full->height; ++i)
         for (size_t c = 0; c < 4; ++c)
             blank.rgba[4 * i + c] = c < 3 ? (float)view->background[c] : 0;
-    iso_status status = iso_metrics_measure_differences(&blank, full, &measured, err);
+    NEED(iso_metrics_measure_differences(&blank, full, &measured, err));
     *rmse = fmin(*rmse, measured.rmse);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_planner_create(iso_planner *p, iso_node_levels *nodes, const iso_planner_options *opt,
@@ -210,8 +210,7 @@ static iso_status count_drawn(const iso_planner *p, iso_plan_trial *t, iso_error
     const iso_brick_field field = {.nodes = p->nodes, .levels = t->levels, .faces = p->faces};
     size_t count = p->plan.brick_count;
     FREED uint8_t *visible = malloc(count);
-    if (!visible)
-        return iso_fail(err, ISO_E_MEMORY, "plan: no memory for %zu bricks", count);
+    NEED_MEMORY(visible, err, "plan: no memory for %zu bricks", count);
     for (size_t v = 0; v < p->view_count; ++v) {
         const iso_tf_table *tf = &p->views[v].tf, *before = v > 0 ? &p->views[v - 1].tf : NULL;
         if (before && before->count == tf->count && before->lo == tf->lo && before->hi == tf->hi &&

@@ -89,11 +89,9 @@ static iso_status make_look(const iso_level_gate *gate, size_t level, float *sca
     levels[level] = l->level;
     with.levels = levels;
     with.made_for = NULL;
-    iso_status status = iso_adapt_level(&with, level, original, &opt, &l->tf, &judgment, err);
+    NEED(iso_adapt_level(&with, level, original, &opt, &l->tf, &judgment, err));
     l->adapted = !judgment.use_original;
-    if (status == ISO_OK && scaled)
-        status = iso_extinction_scale_level(&with, level, original, &l->tf, gate->threads, &l->scale, err);
-    return status;
+    return scaled ? iso_extinction_scale_level(&with, level, original, &l->tf, gate->threads, &l->scale, err) : ISO_OK;
 }
 
 /* Judges all ways but the last; *best gets the look of the nearest one. */
@@ -149,8 +147,7 @@ static iso_status make_scalars(const iso_level_gate *gate, size_t level, float *
     for (int i = ISO_LEVEL_LEAST_SQUARES; i <= ISO_LEVEL_FITTED; ++i)
         if (i != ISO_LEVEL_FITTED || level >= ISO_SCENE_FITTED_FROM)
             complete = (scalars[i] = malloc(bytes)) && complete;
-    if (!complete)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for level %zu", level);
+    NEED_MEMORY(complete, err, "no memory for level %zu", level);
     NEED(iso_level_scalars_make(&in, scalars[ISO_LEVEL_LEAST_SQUARES], scalars[ISO_LEVEL_FITTED], fit, err));
     memcpy(scalars[ISO_LEVEL_DAMPED], scalars[ISO_LEVEL_LEAST_SQUARES], bytes);
     iso_level_scalar_damp(&in, scalars[ISO_LEVEL_DAMPED]);
@@ -205,18 +202,17 @@ static void share_scale(const making *m, look *looks)
 /* Judges a way in all scenes. */
 static iso_status judge_shared(const making *m, int way, float *scalar, look *looks, iso_error *err)
 {
-    iso_status status = ISO_OK;
     for (size_t i = 0; i < m->scene_count; ++i)
-        TRY(status, make_look(&m->gates[i], m->level, scalar, iso_level_ways[way].scaled, &looks[i], err));
-    if (status == ISO_OK && iso_level_ways[way].scaled)
+        NEED(make_look(&m->gates[i], m->level, scalar, iso_level_ways[way].scaled, &looks[i], err));
+    if (iso_level_ways[way].scaled)
         share_scale(m, looks);
     for (size_t i = 0; i < m->scene_count; ++i) {
         m->made->candidates[i][way].adapted = looks[i].adapted;
-        TRY(status, iso_level_gate_look(&m->gates[i], m->level,
-                                        &(iso_shown_level){&looks[i].level, &looks[i].tf, looks[i].scale},
-                                        &m->made->candidates[i][way].seen, err));
+        NEED(iso_level_gate_look(&m->gates[i], m->level,
+                                 &(iso_shown_level){&looks[i].level, &looks[i].tf, looks[i].scale},
+                                 &m->made->candidates[i][way].seen, err));
     }
-    return status;
+    return ISO_OK;
 }
 
 /* Chooses the way that several scenes can share. A fitted level is of one scene. */
@@ -495,16 +491,15 @@ static json_t *describe(const iso_scene *scenes, size_t scene_count, json_t *lis
 static iso_status open_gates(iso_level_gate *gates, const iso_pyramid *p, const iso_scene *scenes, size_t count,
                              int threads, iso_error *err)
 {
-    iso_status status = ISO_OK;
     for (size_t i = 0; i < count; ++i) {
-        TRY(status, iso_level_gate_open(&gates[i], p, &scenes[i], threads, err));
-        for (size_t k = 0; k < i && status == ISO_OK; ++k)
+        NEED(iso_level_gate_open(&gates[i], p, &scenes[i], threads, err));
+        for (size_t k = 0; k < i; ++k)
             if (iso_tf_table_equals(&gates[k].views->tf, &gates[i].views->tf))
-                status = iso_fail(err, ISO_E_USAGE,
-                                  "scenes %zu and %zu of --for have the same transfer function: name one of them",
-                                  k + 1, i + 1);
+                return iso_fail(err, ISO_E_USAGE,
+                                "scenes %zu and %zu of --for have the same transfer function: name one of them", k + 1,
+                                i + 1);
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_scene_levels_make(iso_pyramid *p, size_t first, const iso_scene *scenes, size_t scene_count,

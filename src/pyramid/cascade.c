@@ -259,8 +259,7 @@ static iso_status run_tiles(iso_cascade *c, const iso_planes *in, const iso_casc
     const size_t base = range.base, top = range.top, z0 = range.z0, z1 = range.z1;
     const size_t rows = c->size[top][1], count = (z1 - z0) * rows, floats = tile_scratch_count(c);
     float *memory = aligned_alloc(64, (size_t)c->threads * (floats * sizeof *memory + 63) / 64 * 64);
-    if (!memory)
-        return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for the rows of %d threads", c->threads);
+    NEED_MEMORY(memory, err, "pyramid: no memory for the rows of %d threads", c->threads);
 #pragma omp parallel num_threads(c->threads)
     {
         const size_t per_thread = floats / 16 * 16;
@@ -347,8 +346,7 @@ iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_py
     if (g->has_no_data && (status = check_no_data(opt, err)) != ISO_OK)
         return status;
     iso_cascade *c = calloc(1, sizeof *c);
-    if (!c)
-        return iso_fail(err, ISO_E_MEMORY, "pyramid: out of memory");
+    NEED_MEMORY(c, err, "pyramid: out of memory");
     c->opt = *opt;
     set_up(c, g, scale);
     const size_t *top = c->size[c->tile_top];

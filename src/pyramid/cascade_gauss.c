@@ -46,9 +46,7 @@ iso_status iso_cascade_gauss_create(iso_cascade *c, iso_error *err)
         w->slot_count = taps.count / 2 + w->batch / 2 + 1;
         for (size_t k = 0; k + 1 < c->level_count; ++k) {
             w->slots[k] = calloc(w->slot_count * slot_floats(c, w, k + 1), sizeof(float));
-            if (!w->slots[k])
-                return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for %zu planes of level %zu", w->slot_count,
-                                k + 1);
+            NEED_MEMORY(w->slots[k], err, "pyramid: no memory for %zu planes of level %zu", w->slot_count, k + 1);
         }
     }
     return ISO_OK;
@@ -224,8 +222,7 @@ iso_status iso_cascade_gauss_feed(iso_cascade *c, const iso_planes *in, size_t z
         gauss_run r = {.c = c, .channel = &c->gauss[i], .in = in, .out = out};
         r.per_thread = (block_scratch_count(c, r.channel) + 15) / 16 * 16;
         r.memory = aligned_alloc(64, (size_t)c->threads * r.per_thread * sizeof *r.memory);
-        if (!r.memory)
-            return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for the rows of %d threads", c->threads);
+        NEED_MEMORY(r.memory, err, "pyramid: no memory for the rows of %d threads", c->threads);
         const size_t batch = r.channel->batch;
         for (size_t z = z0; z < z1; z += batch)
             feed_planes(&r, 0, z, z + batch < z1 ? z + batch : z1);

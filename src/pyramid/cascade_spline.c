@@ -323,8 +323,7 @@ iso_status iso_cascade_spline_feed(iso_cascade *c, const iso_planes *in, size_t 
         return ISO_OK;
     spline_run r = {.c = c, .in = in, .out = out, .per_thread = scratch_floats(c)};
     r.memory = aligned_alloc(64, (size_t)c->threads * r.per_thread * sizeof *r.memory);
-    if (!r.memory)
-        return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for the rows of %d threads", c->threads);
+    NEED_MEMORY(r.memory, err, "pyramid: no memory for the rows of %d threads", c->threads);
     const size_t top = c->carry ? c->tile_top + 1 : c->level_count; /* the first level that is made at the end */
     for (size_t z = z0; z < z1; z += SPLINE_BATCH) {
         const size_t end = z + SPLINE_BATCH < z1 ? z + SPLINE_BATCH : z1;

@@ -40,7 +40,6 @@
  * product, and equal for both diagonals of a cell. So 8 of a coarse voxel's 27 entries are kept, at the lower of the
  * two voxels, indexed by whether the two differ along x, y and z. A coarse voxel has W, b (3) and these 8: 12
  * planes. */
-
 enum { ISO_WEIGHTED_W = 0, ISO_WEIGHTED_B = 1, ISO_WEIGHTED_M = 4, ISO_WEIGHTED_PLANES = 12 };
 
 /* Returns the row of M by whether the two voxels differ along x, y, z (0 or 1 each). */
@@ -514,8 +513,7 @@ iso_status iso_cascade_weighted_feed(iso_cascade *c, const iso_planes *in, size_
         return ISO_OK;
     weighted_run r = {.c = c, .in = in, .out = out, .per_thread = scratch_floats(c)};
     r.memory = aligned_alloc(64, (size_t)c->threads * r.per_thread * sizeof *r.memory);
-    if (!r.memory)
-        return iso_fail(err, ISO_E_MEMORY, "pyramid: no memory for the rows of %d threads", c->threads);
+    NEED_MEMORY(r.memory, err, "pyramid: no memory for the rows of %d threads", c->threads);
     for (size_t z = z0; z < z1; z += WEIGHTED_BATCH) {
         const size_t end = z + WEIGHTED_BATCH < z1 ? z + WEIGHTED_BATCH : z1;
         sum_planes(&r, z, end);

@@ -31,13 +31,13 @@ static iso_status check_file(const paged_file *f, const char *header, size_t vox
     struct stat st;
     const size_t bytes = f->header_bytes + voxels * f->voxel_bytes;
     FREED char *found = malloc(f->header_bytes + 1);
-    iso_status status = found ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", f->path);
-    if (status == ISO_OK && (fstat(f->fd, &st) != 0 || (size_t)st.st_size != bytes))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: not the %zu bytes that pyramid.json describes", f->path, bytes);
-    if (status == ISO_OK && (pread(f->fd, found, f->header_bytes, 0) != (ssize_t)f->header_bytes ||
-                             memcmp(found, header, f->header_bytes) != 0))
-        status = iso_fail(err, ISO_E_FORMAT, "%s: its NRRD header is not the one that pyramid.json describes", f->path);
-    return status;
+    NEED_MEMORY(found, err, "%s: out of memory", f->path);
+    if (fstat(f->fd, &st) != 0 || (size_t)st.st_size != bytes)
+        return iso_fail(err, ISO_E_FORMAT, "%s: not the %zu bytes that pyramid.json describes", f->path, bytes);
+    if (pread(f->fd, found, f->header_bytes, 0) != (ssize_t)f->header_bytes ||
+        memcmp(found, header, f->header_bytes) != 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: its NRRD header is not the one that pyramid.json describes", f->path);
+    return ISO_OK;
 }
 
 static iso_status open_file(const char *dir, const iso_level *level, size_t k, const level_file *layout, paged_file *f,
@@ -64,8 +64,7 @@ iso_status iso_level_pages_open(const char *dir, const iso_pyramid *outline, siz
     NEED(iso_pyramid_check_level(outline, dir, level, err));
     const iso_level *l = &outline->levels[level];
     iso_level_pages *p = *pages = calloc(1, sizeof *p);
-    if (!p)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", dir);
+    NEED_MEMORY(p, err, "%s: out of memory", dir);
     p->scalar.fd = p->codes.fd = -1;
     memcpy(p->size, l->geometry.size, sizeof p->size);
     iso_layout_files(&outline->options, l->stored_type, files);
@@ -115,15 +114,14 @@ static iso_status read_at(const paged_file *f, size_t at, size_t bytes, char *ou
 static iso_status read_rows(iso_level_pages *p, const paged_file *f, const size_t first[3], const size_t count[3],
                             size_t pitch, char *out, iso_error *err)
 {
-    iso_status status = ISO_OK;
     const size_t row_bytes = count[0] * f->voxel_bytes;
-    for (size_t z = 0; z < count[2] && status == ISO_OK; ++z)
-        for (size_t y = 0; y < count[1] && status == ISO_OK; ++y, out += pitch) {
+    for (size_t z = 0; z < count[2]; ++z)
+        for (size_t y = 0; y < count[1]; ++y, out += pitch) {
             const size_t voxel = first[0] + p->size[0] * (first[1] + y + p->size[1] * (first[2] + z));
-            status = read_at(f, f->header_bytes + voxel * f->voxel_bytes, row_bytes, out + pitch - row_bytes, err);
+            NEED(read_at(f, f->header_bytes + voxel * f->voxel_bytes, row_bytes, out + pitch - row_bytes, err));
         }
     __atomic_add_fetch(&p->bytes_read, row_bytes * count[1] * count[2], __ATOMIC_RELAXED);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_level_pages_codes(const iso_level_pages *p, const size_t first[3], const size_t count[3], uint8_t *out,

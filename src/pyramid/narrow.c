@@ -49,9 +49,9 @@ iso_status iso_narrow_codes_begin(iso_narrow_codes *c, const iso_pyramid *p, con
     /* Level 0 does not depend on filters: these are cheap. */
     c->options.scalar_filter = ISO_SCALAR_MEAN;
     c->options.direction_filter = ISO_DIRECTION_NAIVE;
-    const iso_status status = iso_pyramid_sample_range(v, p->source, &range, err);
+    NEED(iso_pyramid_sample_range(v, p->source, &range, err));
     c->scale = iso_cascade_scale(&v->geometry, range);
-    return status;
+    return ISO_OK;
 }
 
 /* Widens the box by the stencil of its gradients. The box keeps enough voxels that a border never meets the opposite
@@ -98,8 +98,8 @@ static const void *box_samples(const iso_narrow_codes *c, void **own)
 static iso_status make_codes(iso_narrow_codes *c, const void *samples, iso_error *err)
 {
     const size_t *size = c->size;
-    const iso_planes planes = {samples, c->volume->type, {size[0], size[1], size[2]}, 0, size[2],
-                               c->volume->geometry.has_no_data};
+    const iso_planes planes = {samples, c->volume->type, {size[0], size[1], size[2]},
+                               0,       size[2],         c->volume->geometry.has_no_data};
     const iso_cascade_out out = {.codes = c->codes};
     iso_geometry g = c->volume->geometry;
     iso_cascade *cascade;
@@ -148,17 +148,16 @@ struct iso_box_codes {
 iso_status iso_level_gradient_scale(const iso_level *level, double *scale, iso_error *err)
 {
     double range = 0;
-    const iso_status status = iso_pyramid_sample_range(level->samples, "level 0", &range, err);
+    NEED(iso_pyramid_sample_range(level->samples, "level 0", &range, err));
     *scale = iso_cascade_scale(&level->geometry, range);
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_box_codes_create(const iso_level *level, iso_code code, double scale, size_t side, iso_box_codes **out,
                                 iso_error *err)
 {
     iso_box_codes *b = *out = calloc(1, sizeof *b);
-    if (!b)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for directions");
+    NEED_MEMORY(b, err, "no memory for directions");
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.gradient.method = level->estimator;
     opt.code = code;

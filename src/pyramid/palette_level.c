@@ -50,7 +50,7 @@ iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t d
                                  int threads, iso_palette *palette, iso_error *err)
 {
     iso_palette_options opt = iso_palette_defaults();
-    iso_direction_set set = {0};
+    OWNED(iso_direction_set) set = {0};
     iso_direction_pool *pool;
     const float *vectors;
     FREED float *owned = NULL;
@@ -64,7 +64,6 @@ iso_status iso_level_fit_palette(const iso_level *level, iso_code code, size_t d
         status = iso_direction_pool_finish(pool, &set, err);
     }
     TRY(status, iso_palette_fit(&set, &opt, palette, NULL, err));
-    iso_direction_set_destroy(&set);
     iso_direction_pool_destroy(pool);
     return status;
 }

@@ -107,13 +107,10 @@ static iso_status save_into(const iso_pyramid *p, const char *dir, iso_error *er
 
 iso_status iso_pyramid_save(const iso_pyramid *p, const char *dir, iso_error *err)
 {
-    iso_output out;
+    ENDED_BY(iso_output_abandon) iso_output out = {0};
     NEED(iso_output_begin_dir(&out, dir, ISO_PYRAMID_MARKER, err));
-    iso_status status = save_into(p, out.temp_path, err);
-    if (status == ISO_OK)
-        return iso_output_commit(&out, err);
-    iso_output_abandon(&out);
-    return status;
+    NEED(save_into(p, out.temp_path, err));
+    return iso_output_commit(&out, err);
 }
 
 /* Checks "bytes", which is for people and other programs: a file's size follows from its header and its samples. */
@@ -292,8 +289,7 @@ static iso_status take_samples(iso_pyramid *p, iso_error *err)
 {
     iso_level *l = &p->levels[0];
     p->volume = malloc(sizeof *p->volume);
-    if (!p->volume)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", p->source);
+    NEED_MEMORY(p->volume, err, "%s: out of memory", p->source);
     *p->volume = (iso_volume){.geometry = l->geometry, .type = l->stored_type, .data = l->scalar};
     l->scalar = NULL;
     l->samples = p->volume;
@@ -331,8 +327,7 @@ static iso_status load_levels(iso_json_reader *r, const char *dir, load_what wha
     snprintf(out->built_by, sizeof out->built_by, "%s", built_by ? built_by : "");
     out->levels = calloc(count, sizeof *out->levels);
     out->level_count = count;
-    if (!out->source || !out->levels)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu levels", r->path, count);
+    NEED_MEMORY(out->source && out->levels, err, "%s: no memory for %zu levels", r->path, count);
     mark_levels(out);
     for (size_t k = 0; k < count; ++k) {
         const load_what of_level = k < first ? LOAD_NO_FILE : what == LOAD_SAMPLES && k > 0 ? LOAD_OUTLINE : what;
@@ -359,8 +354,7 @@ static iso_status load(const char *dir, load_what what, size_t first, iso_pyrami
     *out = (iso_pyramid){0};
     char *path = iso_path_join(dir, ISO_PYRAMID_MARKER);
     json_t *root = NULL;
-    if (!path)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", dir);
+    NEED_MEMORY(path, err, "%s: out of memory", dir);
     iso_status status = iso_layout_load(path, &root, err);
     if (status == ISO_OK) {
         iso_json_reader r = {.path = path, .err = err};
@@ -403,8 +397,6 @@ iso_status iso_pyramid_load_scalars(const char *dir, iso_pyramid *out, iso_error
 
 bool iso_pyramid_is_one(const char *path)
 {
-    char *marker = iso_path_join(path, ISO_PYRAMID_MARKER);
-    bool is = marker && iso_path_is_dir(path) && iso_path_exists(marker);
-    free(marker);
-    return is;
+    FREED char *marker = iso_path_join(path, ISO_PYRAMID_MARKER);
+    return marker && iso_path_is_dir(path) && iso_path_exists(marker);
 }

@@ -42,11 +42,10 @@ static iso_status read_bytes(const reading *r, char *to, size_t bytes, iso_error
 static iso_status read_header(reading *r, iso_error *err)
 {
     const size_t bytes = strlen(r->header);
-    char *found = malloc(bytes + 1);
+    FREED char *found = malloc(bytes + 1);
     iso_status status = found ? read_bytes(r, found, bytes, err)
                               : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", r->path);
     r->has_header = status == ISO_OK && memcmp(found, r->header, bytes) == 0;
-    free(found);
     return status;
 }
 
@@ -55,15 +54,14 @@ static iso_status read_samples(const reading *r, size_t count, void *samples, is
 {
     const size_t width = iso_type_bytes(r->file->type), most = PIECE_BYTES / width;
     const bool keeps = r->file->is_bytes || r->file->is_kept;
-    iso_status status = ISO_OK;
-    for (size_t at = 0; at < count && status == ISO_OK; at += most) {
+    for (size_t at = 0; at < count; at += most) {
         const size_t n = count - at < most ? count - at : most;
         char *to = keeps ? (char *)samples + width * at : r->piece;
-        status = read_bytes(r, to, n * width, err);
-        if (status == ISO_OK && !keeps)
+        NEED(read_bytes(r, to, n * width, err));
+        if (!keeps)
             iso_layout_to_floats(to, r->file->type, n, (float *)samples + at);
     }
-    return status;
+    return ISO_OK;
 }
 
 static iso_status check(const reading *r, const char *digest, iso_error *err)
@@ -79,17 +77,17 @@ static iso_status check(const reading *r, const char *digest, iso_error *err)
 
 static iso_status read_all(reading *r, const char *digest, size_t count, void *samples, iso_error *err)
 {
-    iso_status status = read_header(r, err);
-    TRY(status, read_samples(r, count, samples, err));
-    return status == ISO_OK ? check(r, digest, err) : status;
+    NEED(read_header(r, err));
+    NEED(read_samples(r, count, samples, err));
+    return check(r, digest, err);
 }
 
 static iso_status check_size(const reading *r, size_t count, size_t bytes, iso_error *err)
 {
     const size_t wanted = strlen(r->header) + count * iso_type_bytes(r->file->type);
-    return bytes == wanted ? ISO_OK
-                           : iso_fail(err, ISO_E_FORMAT, "%s: %zu bytes, must be %zu by pyramid.json", r->path, bytes,
-                                      wanted);
+    return bytes == wanted
+               ? ISO_OK
+               : iso_fail(err, ISO_E_FORMAT, "%s: %zu bytes, must be %zu by pyramid.json", r->path, bytes, wanted);
 }
 
 iso_status iso_layout_read(const char *path, const char *header, const level_file *f, const char *digest, size_t count,

@@ -162,8 +162,7 @@ iso_status iso_pyramid_stream(const iso_stream_input *in, const iso_pyramid_opti
 {
     pyramid_build *s = calloc(1, sizeof *s);
     *report = (iso_stream_report){0};
-    if (!s)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(s, err, "out of memory");
     const double start = iso_clock_seconds();
     *s = (pyramid_build){.in = in, .own = *opt, .how = how, .report = report, .progress_at = start};
     s->opt = &s->own;

@@ -99,14 +99,13 @@ void iso_stream_output_destroy(stream_output *o)
 
 static iso_status write_and_hash(stream_level *l, int i, const char *data, size_t bytes, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    for (size_t at = 0; at < bytes && status == ISO_OK; at += PIECE_BYTES) {
+    for (size_t at = 0; at < bytes; at += PIECE_BYTES) {
         const size_t n = bytes - at < PIECE_BYTES ? bytes - at : PIECE_BYTES;
         XXH3_64bits_update(l->hash[i], data + at, n);
-        status = iso_bigfile_write(l->file[i], data + at, n, err);
+        NEED(iso_bigfile_write(l->file[i], data + at, n, err));
     }
     l->files[i].bytes += bytes;
-    return status;
+    return ISO_OK;
 }
 
 /* Adds the first `bytes` of a file of an earlier build to its checksum. */
@@ -171,12 +170,12 @@ iso_status iso_stream_output_join(stream_output *o, const char *dir, iso_error *
 
 iso_status iso_stream_output_sync(stream_output *o, iso_error *err)
 {
-    iso_status status = iso_stream_output_wait(o, err);
+    NEED(iso_stream_output_wait(o, err));
     for (size_t k = 0; k < o->level_count; ++k)
-        for (int i = 0; i < FILE_COUNT && status == ISO_OK; ++i)
+        for (int i = 0; i < FILE_COUNT; ++i)
             if (o->levels[k].file[i])
-                status = iso_bigfile_sync(o->levels[k].file[i], err);
-    return status;
+                NEED(iso_bigfile_sync(o->levels[k].file[i], err));
+    return ISO_OK;
 }
 
 iso_status iso_stream_output_close(stream_output *o, iso_error *err)

@@ -21,8 +21,7 @@ static void add_json(iso_key *key, const char *part, json_t *value)
 iso_status iso_stream_make_key(pyramid_build *s, double scale, iso_error *err)
 {
     s->key = iso_key_create();
-    if (!s->key)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(s->key, err, "out of memory");
     if (s->how->key)
         iso_key_add_all(s->key, s->how->key);
     add_json(s->key, "the volume", iso_layout_geometry(&s->header.geometry));
@@ -105,10 +104,10 @@ static iso_status write_carry(pyramid_build *s, size_t z, iso_error *err)
     const size_t planes = z >> iso_cascade_carry_level(s->cascade);
     if (!carry || planes <= s->carry_planes)
         return ISO_OK;
-    iso_status status = iso_bigfile_write(s->carry, carry + s->carry_planes * plane_floats,
-                                          (planes - s->carry_planes) * plane_floats * sizeof *carry, err);
+    NEED(iso_bigfile_write(s->carry, carry + s->carry_planes * plane_floats,
+                           (planes - s->carry_planes) * plane_floats * sizeof *carry, err));
     s->carry_planes = planes;
-    return status == ISO_OK ? iso_bigfile_sync(s->carry, err) : status;
+    return iso_bigfile_sync(s->carry, err);
 }
 
 bool iso_stream_progress_is_due(pyramid_build *s)
@@ -123,8 +122,8 @@ bool iso_stream_progress_is_due(pyramid_build *s)
 /* Notes that all data on the disk up to plane z may be resumed from. */
 iso_status iso_stream_note_progress(pyramid_build *s, json_t *job, size_t z, iso_error *err)
 {
-    iso_status status = write_carry(s, z, err);
-    return status == ISO_OK ? save_progress(s, job, z, err) : status;
+    NEED(write_carry(s, z, err));
+    return save_progress(s, job, z, err);
 }
 
 static void remove_in(const char *dir, const char *name)

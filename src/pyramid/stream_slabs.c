@@ -145,8 +145,8 @@ void iso_stream_request_slab(pyramid_build *s, size_t i)
 iso_status iso_stream_feed_slab(pyramid_build *s, const stream_slab *b, const stream_planes *planes, iso_error *err)
 {
     const size_t *n = s->header.geometry.size;
-    const iso_planes in = {planes->data, s->header.type, {n[0], n[1], n[2]}, planes->first, planes->count,
-                           s->header.geometry.has_no_data};
+    const iso_planes in = {planes->data,  s->header.type, {n[0], n[1], n[2]},
+                           planes->first, planes->count,  s->header.geometry.has_no_data};
     iso_cascade_out out[STREAM_MAX_LEVELS];
     const double start = iso_clock_seconds();
     if (stream_is_alone(s))
@@ -191,8 +191,8 @@ static iso_status note_if_due(pyramid_build *s, json_t *job, size_t z, size_t do
 {
     if (z <= done || !iso_stream_progress_is_due(s))
         return ISO_OK;
-    iso_status status = iso_stream_output_sync(&s->out, err);
-    return status == ISO_OK ? iso_stream_note_progress(s, job, z, err) : status;
+    NEED(iso_stream_output_sync(&s->out, err));
+    return iso_stream_note_progress(s, job, z, err);
 }
 
 static iso_status do_slab(pyramid_build *s, size_t i, json_t *job, size_t done, iso_error *err)

@@ -293,8 +293,7 @@ static iso_status fill_tf_2d(const iso_adapter *all, const iso_adapter *second, 
                              double length_mm, iso_tf_table rows[ISO_TF_2D_ROWS], iso_error *err)
 {
     FREED weighted_tf *prepared = malloc(all->z.count * sizeof *prepared);
-    if (!prepared)
-        return iso_fail(err, ISO_E_MEMORY, "adapt: out of memory");
+    NEED_MEMORY(prepared, err, "adapt: out of memory");
     prepare(all, tf, length_mm, prepared);
     for (size_t row = 0; row < all->s.count; ++row) {
         row_sums of_all = sum_row(all, prepared, row);

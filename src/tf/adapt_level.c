@@ -39,8 +39,7 @@ iso_status iso_adapt_judge(const iso_joint *j, const iso_tf_table *tf, const iso
     const double length_mm = iso_geometry_mean_spacing_mm(level0), n = j->voxel_count > 0 ? (double)j->voxel_count : 1;
     double original_sum = 0, adapted_sum = 0;
     seen *at_z = malloc(j->z.count * sizeof *at_z);
-    if (!at_z)
-        return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for %zu bins", j->z.count);
+    NEED_MEMORY(at_z, err, "adapt: no memory for %zu bins", j->z.count);
     for (size_t i = 0; i < j->z.count; ++i)
         at_z[i] = see(tf, j->z.lo + (double)i * j->z.step, length_mm);
     for (size_t row = 0; row < j->s.count; ++row) {
@@ -132,7 +131,7 @@ iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_tabl
                            iso_tf_table *table, iso_adapt_judgment *judgment, iso_error *err)
 {
     const iso_geometry *level0 = &p->levels[0].geometry;
-    iso_joint joint = {0};
+    OWNED(iso_joint) joint = {0};
     iso_adapter *adapter = NULL;
     iso_adapt_judgment verdict = {.use_original = true};
     *table = (iso_tf_table){0};
@@ -162,7 +161,6 @@ iso_status iso_adapt_level(const iso_pyramid *p, size_t level, const iso_tf_tabl
     if (judgment)
         *judgment = verdict;
     iso_adapter_destroy(adapter);
-    iso_joint_destroy(&joint);
     return status;
 }
 

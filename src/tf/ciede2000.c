@@ -172,8 +172,7 @@ iso_status iso_ciede2000_expand(iso_tf_curve *color, const char *path, iso_error
 {
     OWNED(iso_tf_curves) paths = {0};
     FREED grid *g = make_grid();
-    if (!g)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    NEED_MEMORY(g, err, "%s: out of memory", path);
     iso_tf_curve_sort(color);
     for (size_t i = 0; i < color->count; ++i) {
         /* Grid colors between the nodes; the first and the last node keep the file's colors. */

@@ -45,8 +45,7 @@ iso_status iso_tf_curve_add(iso_tf_curve *curve, iso_tf_node node, int component
     if (curve->count == curve->capacity) {
         const size_t capacity = curve->capacity ? 2 * curve->capacity : 16;
         iso_tf_node *nodes = realloc(curve->nodes, capacity * sizeof *nodes);
-        if (!nodes)
-            return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu points", path, capacity);
+        NEED_MEMORY(nodes, err, "%s: no memory for %zu points", path, capacity);
         curve->nodes = nodes, curve->capacity = capacity;
     }
     curve->nodes[curve->count++] = node;

@@ -161,8 +161,7 @@ static iso_status give_names(const char *const *names, size_t count, char **text
         iso_words_put_line(memory, names[i]);
         fputc('\n', memory);
     }
-    if (!memory || fclose(memory) != 0)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(memory && fclose(memory) == 0, err, "out of memory");
     return iso_fail(err, ISO_E_USAGE, "names listed, nothing loaded");
 }
 

@@ -168,8 +168,7 @@ static iso_status take_own(const csv *c, iso_tf *tf, iso_error *err)
                              .lo = c->row[0][VALUE],
                              .hi = c->row[c->rows - 1][VALUE],
                              .entries = malloc(4 * c->rows * sizeof(float))};
-    if (!t.entries)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", c->file->path);
+    NEED_MEMORY(t.entries, err, "%s: out of memory", c->file->path);
     if (!c->has[VALUE] || !(t.hi > t.lo) || t.count > 4096)
         return iso_fail(err, ISO_E_RANGE, "%s: values must rise over at most 4096 lines", c->file->path);
     if (!(t.lo >= -ISO_TF_MOST_VALUE && t.hi <= ISO_TF_MOST_VALUE))
@@ -222,8 +221,7 @@ static iso_status load_csv(const iso_tf_file *file, iso_tf *tf, iso_error *err)
 {
     FREED double(*rows)[ROLES] = calloc(MOST_ROWS, sizeof *rows);
     csv c = {.file = file, .row = rows};
-    if (!rows)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
+    NEED_MEMORY(rows, err, "%s: out of memory", file->path);
     NEED(read_lines(&c, err));
     return c.own ? take_own(&c, tf, err) : take_display_colors(&c, tf, err);
 }
@@ -253,8 +251,7 @@ static iso_status save_csv(const iso_tf_output *output, const char *path, iso_er
     FREED char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
-    if (!memory)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(memory, err, "out of memory");
     fprintf(memory, "value,r_linear,g_linear,b_linear,extinction_per_mm,opacity_of_%.9g_mm\n", unit_mm);
     write_rows(memory, table, unit_mm);
     fclose(memory);

@@ -59,8 +59,7 @@ static iso_status load_niivue(const iso_tf_file *file, iso_tf *tf, iso_error *er
     NEED(iso_json_parse(file->path, file->text, file->size, &root, err));
     iso_json_reader r = {.path = file->path, .err = err};
     FREED bytes *b = malloc(sizeof *b);
-    if (!b)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
+    NEED_MEMORY(b, err, "%s: out of memory", file->path);
     if (json_object_get(root, "labels"))
         return iso_fail(err, ISO_E_FORMAT, "%s: is a map of labels (\"labels\"), must be one of values", file->path);
     read_lists(&r, root, b, &curves);

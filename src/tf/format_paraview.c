@@ -136,16 +136,15 @@ static iso_status choose_map(const iso_tf_file *file, const json_t *root, const 
     const size_t count = json_is_array(root) ? json_array_size(root) : 1;
     FREED const char **names = malloc((count + 1) * sizeof *names);
     size_t chosen = 0;
-    if (!names)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
+    NEED_MEMORY(names, err, "%s: out of memory", file->path);
     for (size_t i = 0; i < count; ++i) {
         const json_t *item = json_is_array(root) ? json_array_get(root, i) : root;
         const char *name = json_string_value(json_object_get(item, "Name"));
         names[i] = name ? name : "";
     }
-    iso_status status = iso_tf_choose(file, "color map", names, count, &chosen, err);
+    NEED(iso_tf_choose(file, "color map", names, count, &chosen, err));
     *map = json_is_array(root) ? json_array_get(root, chosen) : root;
-    return status;
+    return ISO_OK;
 }
 
 static iso_status load_paraview(const iso_tf_file *file, iso_tf *tf, iso_error *err)
@@ -155,8 +154,7 @@ static iso_status load_paraview(const iso_tf_file *file, iso_tf *tf, iso_error *
     const json_t *map = NULL;
     FREED char *text = without_last_commas(file);
     json_auto_t *root = text ? json_loads(text, 0, &where) : NULL;
-    if (!text)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
+    NEED_MEMORY(text, err, "%s: out of memory", file->path);
     if (!root)
         return iso_fail(err, ISO_E_FORMAT, "%s:%d:%d: not JSON: %s", file->path, where.line, where.column, where.text);
     NEED(choose_map(file, root, &map, err));

@@ -32,8 +32,7 @@ static iso_status save_png(const iso_tf_output *output, const char *path, iso_er
         memcpy(pixels[y], pixels[0], sizeof pixels[0]);
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
     FREED void *file = malloc(size);
-    if (!file)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bytes", path, (size_t)size);
+    NEED_MEMORY(file, err, "%s: no memory for %zu bytes", path, (size_t)size);
     return png_image_write_to_memory(&image, file, &size, 0, pixels, 0, NULL)
                ? iso_file_write(path, file, size, err)
                : iso_fail(err, ISO_E_PROGRAM, "%s: libpng: %s", path, image.message);

@@ -16,8 +16,7 @@ static iso_status load_vp(const iso_tf_file *file, iso_tf *tf, iso_error *err)
     FREED char *text = strdup(file->text);
     char *rest = text;
     int count = 0;
-    if (!text)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
+    NEED_MEMORY(text, err, "%s: out of memory", file->path);
     for (; count < LINES && rest && *rest; ++count)
         lines[count] = strsep(&rest, "\n");
     if (count < LINES)

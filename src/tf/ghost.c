@@ -133,7 +133,7 @@ iso_status iso_ghost_measure(const iso_pyramid *p, size_t level, const iso_tf_ta
                                 .tfs_2d = {tf_2d},
                                 .tf_count = 1,
                                 .threads = threads};
-    uint8_t *empty = NULL;
+    FREED uint8_t *empty = NULL;
     *ghost = 0;
     if (!in.fine->scalar || !in.coarse->scalar ||
         iso_geometry_voxel_count(&in.fine->geometry) > ISO_SMALL_VIEWS_MAX_VOXELS)
@@ -142,7 +142,6 @@ iso_status iso_ghost_measure(const iso_pyramid *p, size_t level, const iso_tf_ta
     in.empty = empty;
     TRY(status, iso_small_views_compare(&in, seen, err));
     *ghost = status == ISO_OK ? seen[0].ghost : 0;
-    free(empty);
     return status;
 }
 

@@ -294,8 +294,7 @@ iso_status iso_joint_begin(const iso_joint_shape *shape, int threads, iso_joint_
     *builder = NULL;
     NEED(check_shape(shape, err));
     iso_joint_builder *b = calloc(1, sizeof *b);
-    if (!b)
-        return iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
+    NEED_MEMORY(b, err, "joint histogram: out of memory");
     *b = (iso_joint_builder){.shape = *shape, .thread_count = iso_threads(threads)};
     size_t pairs = pair_count(b);
     b->dense = pairs <= TWIN_PAIRS ||

@@ -115,8 +115,7 @@ static iso_status read_rows(const iso_volume *v, const char *path, const iso_bin
     j->row_start = calloc(rows + 1, sizeof *j->row_start);
     j->entry_z = malloc((entries + 1) * sizeof *j->entry_z);
     j->entry_count_of = malloc((entries + 1) * sizeof *j->entry_count_of);
-    if (!j->row_start || !j->entry_z || !j->entry_count_of)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu entries", path, entries);
+    NEED_MEMORY(j->row_start && j->entry_z && j->entry_count_of, err, "%s: no memory for %zu entries", path, entries);
     for (size_t i = 0, at = 0; i < cells; ++i) {
         uint64_t count = get_number(v, sparse ? 3 * i + 2 : i);
         if (count == 0)

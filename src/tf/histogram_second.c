@@ -56,17 +56,17 @@ static iso_status gradient_coordinates(const iso_level *level, double half_range
     size_t plane = n[0] * n[1];
     opt.threads = threads;
     FREED float *g = malloc(3 * plane * sizeof *g);
-    iso_status status = g ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for a plane of gradients");
-    for (size_t z = 0; z < n[2] && status == ISO_OK; ++z) {
-        status = iso_gradient_slab(&v, &opt, z, z + 1, g, err);
-        for (size_t i = 0; i < plane && status == ISO_OK; ++i) {
+    NEED_MEMORY(g, err, "joint histogram: no memory for a plane of gradients");
+    for (size_t z = 0; z < n[2]; ++z) {
+        NEED(iso_gradient_slab(&v, &opt, z, z + 1, g, err));
+        for (size_t i = 0; i < plane; ++i) {
             double magnitude = sqrt((double)g[3 * i] * g[3 * i] + (double)g[3 * i + 1] * g[3 * i + 1] +
                                     (double)g[3 * i + 2] * g[3 * i + 2]);
             out[z * plane + i] = half_range > 0 ? (float)((ISO_TF_2D_ROWS - 1) * sqrt(fmin(magnitude / half_range, 1)))
                                                 : 0;
         }
     }
-    return status;
+    return ISO_OK;
 }
 
 iso_status iso_joint_second_coordinates(const iso_pyramid *p, size_t level, iso_second_value second, int threads,

@@ -63,8 +63,7 @@ iso_status iso_joint_verify(const iso_pyramid *p, const char *dir, int threads, 
     *count = list_keys(p, dir, NULL);
     FREED iso_joint_key *keys = calloc(*count + 1, sizeof *keys);
     *checks = calloc(*count + 1, sizeof **checks);
-    if (!keys || !(*checks))
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu joint histograms", *count);
+    NEED_MEMORY(keys && *checks, err, "no memory for %zu joint histograms", *count);
     list_keys(p, dir, keys);
     for (size_t i = 0; i < *count; ++i) {
         iso_progress_report(progress, "joint histograms", (double)i / (double)*count);

@@ -31,9 +31,7 @@ static void cell_mean(const iso_tf_table *tf, double cell, double a, double b, d
 iso_status iso_tf_integral_create(iso_tf_integral *integral, const iso_tf_table *tf, iso_error *err)
 {
     *integral = (iso_tf_integral){.tf = tf, .sums = calloc(4 * tf->count, sizeof *integral->sums)};
-    if (!integral->sums)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for the integral of a transfer function of %zu entries",
-                        tf->count);
+    NEED_MEMORY(integral->sums, err, "no memory for the integral of a transfer function of %zu entries", tf->count);
     for (size_t i = 1; i < tf->count; ++i) {
         double mean[4];
         cell_mean(tf, (double)(i - 1), (double)(i - 1), (double)i, mean);

@@ -38,14 +38,12 @@ char *iso_level_scene_names(const iso_pyramid *p)
 iso_status iso_level_scene_tf(const iso_pyramid *p, size_t scene, iso_tf_table *tf, iso_error *err)
 {
     iso_json_reader r = {.path = where, .err = err};
-    iso_tf own = {0};
+    OWNED(iso_tf) own = {0};
     *tf = (iso_tf_table){0};
     const json_t *object = iso_json_get_object(&r, part_of(p->made_for, scene), "tf", true);
-    iso_status status = r.status;
-    TRY(status, iso_tf_from_json(object, where, &own, err));
-    TRY(status, iso_tf_tabulate(&own, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, tf, err));
-    iso_tf_destroy(&own);
-    return status;
+    NEED(r.status);
+    NEED(iso_tf_from_json(object, where, &own, err));
+    return iso_tf_tabulate(&own, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, tf, err);
 }
 
 /* Returns the level's entry; NULL: it was not made for a scene. */
@@ -109,12 +107,11 @@ iso_status iso_level_look(const iso_pyramid *p, size_t level, const iso_tf_table
 
 const uint8_t *iso_level_own_scale(const iso_pyramid *p, size_t level, const iso_tf_table *tf)
 {
-    iso_tf_table own = {0};
+    OWNED(iso_tf_table) own = {0};
     bool found = false;
     if (!p->levels[level].scale || p->levels[level].geometry.has_no_data)
         return p->levels[level].scale;
     const iso_status status = iso_level_look(p, level, tf, &own, &found, NULL);
-    iso_tf_table_destroy(&own);
     return status == ISO_OK && found ? p->levels[level].scale : NULL;
 }
 

@@ -142,8 +142,7 @@ static iso_status apply(const preset *p, const iso_survey *s, const iso_geometry
     lay_scale(p->scale, s, &zero, &one);
     *tf = (iso_tf){.table_size = 1024, .point_count = p->count, .unit_distance = p->unit};
     tf->points = calloc(p->count, sizeof *tf->points);
-    if (!tf->points)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a transfer function");
+    NEED_MEMORY(tf->points, err, "no memory for a transfer function");
     if (p->scale != SCALE_HOUNSFIELD || !s->is_hounsfield)
         tf->unit_distance *= iso_geometry_mean_spacing_mm(level0);
     for (size_t i = 0; i < p->count; ++i) {

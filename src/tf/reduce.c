@@ -68,8 +68,7 @@ iso_status iso_tf_reduce(const iso_tf_table *table, double unit_mm, size_t grid,
     FREED bool *kept = malloc(count * sizeof *kept);
     const sampled s = {count, table->lo, table->hi, rgba, kept};
     *curves = (iso_tf_curves){.unit_mm = unit_mm};
-    if (!rgba || !kept)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu entries", count);
+    NEED_MEMORY(rgba && kept, err, "no memory for %zu entries", count);
     for (size_t i = 0; i < count; ++i) {
         double found[4];
         iso_tf_lookup(table, place(&s, i), found);

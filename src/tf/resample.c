@@ -83,9 +83,9 @@ static iso_status fill(resampling *r, const iso_tf_point *a, const iso_tf_point 
     if (close || depth == DEEPEST || !(x > a->value && x < b->value))
         return ISO_OK;
     const iso_tf_point middle = point_at(r->curves, x, x);
-    iso_status status = fill(r, a, &middle, depth + 1);
-    TRY(status, append(r, &middle));
-    return status == ISO_OK ? fill(r, &middle, b, depth + 1) : status;
+    NEED(fill(r, a, &middle, depth + 1));
+    NEED(append(r, &middle));
+    return fill(r, &middle, b, depth + 1);
 }
 
 /* Drops points on the line between their neighbors: mostly midpoints of straight segments. */
@@ -152,15 +152,15 @@ static iso_status between_corners(resampling *r, const double *corners, size_t c
     /* Beyond the ends the curves may have other values: this makes steps at the first and the last corner. */
     const iso_tf_point before = point_at(r->curves, corners[0], -INFINITY);
     const iso_tf_point after = point_at(r->curves, corners[count - 1], INFINITY);
-    iso_status status = append(r, &before);
-    for (size_t i = 0; i + 1 < count && status == ISO_OK; ++i) {
+    NEED(append(r, &before));
+    for (size_t i = 0; i + 1 < count; ++i) {
         const double inside = 0.5 * (corners[i] + corners[i + 1]);
         const iso_tf_point a = point_at(r->curves, corners[i], inside), b = point_at(r->curves, corners[i + 1], inside);
-        status = append(r, &a);
-        TRY(status, fill(r, &a, &b, 0));
-        TRY(status, append(r, &b));
+        NEED(append(r, &a));
+        NEED(fill(r, &a, &b, 0));
+        NEED(append(r, &b));
     }
-    return status == ISO_OK ? append(r, &after) : status;
+    return append(r, &after);
 }
 
 iso_status iso_tf_resample(const iso_tf_curves *curves, const char *path, iso_tf *tf, iso_error *err)
@@ -171,8 +171,7 @@ iso_status iso_tf_resample(const iso_tf_curves *curves, const char *path, iso_tf
                    .unit_distance = curves->unit_mm,
                    .unit_is_voxels = curves->unit_is_voxel};
     double *corners = iso_tf_curves_corners(curves, &count);
-    if (!corners)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    NEED_MEMORY(corners, err, "%s: out of memory", path);
     iso_status status = count < 2 ? iso_fail(err, ISO_E_RANGE, "%s: all points are at one value", path)
                                   : between_corners(&r, corners, count);
     free(corners);

@@ -383,8 +383,7 @@ static iso_status size_table(iso_tf *tf, iso_error *err)
 static iso_status add_label_map(const iso_survey *s, iso_suggestion *out, iso_error *err)
 {
     iso_tf_point *points = realloc(out->tf.points, 2 * s->label_count * sizeof *points);
-    if (!points)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu labels", s->label_count);
+    NEED_MEMORY(points, err, "no memory for %zu labels", s->label_count);
     out->tf.points = points;
     out->tf.range[0] = s->labels[0];
     out->tf.range[1] = fmax(s->labels[s->label_count - 1], s->labels[0] + 1);

@@ -134,8 +134,7 @@ static iso_status take_labels(const iso_level *l, iso_survey *s, iso_error *err)
     enum { LEAST = -32768, SPAN = 65536 + 32768 };
     const size_t count = iso_geometry_voxel_count(&l->geometry);
     FREED char *seen = calloc(SPAN, 1);
-    if (!seen)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for labels");
+    NEED_MEMORY(seen, err, "no memory for labels");
     for (size_t i = 0; i < count; ++i) {
         const double value = iso_level_value(l, i);
         if (value >= LEAST && value < LEAST + SPAN)

@@ -224,8 +224,7 @@ static iso_status tabulate(const iso_tf *tf, double value_min, double value_max,
             lost->value, lost->opacity, table->count, table->lo, table->hi, ISO_TF_MOST_ENTRIES);
     double unit_mm = tf->unit_distance * (tf->unit_is_voxels ? iso_geometry_mean_spacing_mm(level0) : 1);
     table->entries = malloc(table->count * 4 * sizeof *table->entries);
-    if (!table->entries)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a transfer function of %zu entries", table->count);
+    NEED_MEMORY(table->entries, err, "no memory for a transfer function of %zu entries", table->count);
     for (size_t i = 0; i < table->count; ++i) {
         double t = (double)i / (double)(table->count - 1), rgba[4];
         sample_points(tf, tf->fit_range ? t : table->lo + t * (table->hi - table->lo), rgba);
@@ -250,8 +249,7 @@ iso_status iso_tf_table_end_below(iso_tf_table *t, double value_min, iso_error *
     const double step = (t->hi - t->lo) / (double)(t->count - 1), room = (double)(ISO_TF_MOST_ENTRIES - t->count - 1);
     const size_t more = 1 + (size_t)fmin(fmax(ceil((t->lo - value_min) / step), 0), room);
     float *entries = malloc(4 * (t->count + more) * sizeof *entries);
-    if (!entries)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a transfer function of %zu entries", t->count + more);
+    NEED_MEMORY(entries, err, "no memory for a transfer function of %zu entries", t->count + more);
     memcpy(entries + 4 * more, t->entries, 4 * t->count * sizeof *entries);
     for (size_t i = 0; i < more; ++i)
         memcpy(entries + 4 * i, t->entries, 4 * sizeof *entries);

@@ -15,8 +15,7 @@ iso_status iso_xml_parse(const iso_tf_file *file, xmlDocPtr *doc, iso_error *err
     if (file->size > INT_MAX)
         return iso_fail(err, ISO_E_RANGE, "%s: file is too large for a transfer function", file->path);
     xmlParserCtxtPtr context = xmlNewParserCtxt();
-    if (!context)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", file->path);
+    NEED_MEMORY(context, err, "%s: out of memory", file->path);
     *doc = xmlCtxtReadMemory(context, file->text, (int)file->size, NULL, NULL,
                              XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING);
     iso_status status = ISO_OK;

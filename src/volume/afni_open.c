@@ -86,8 +86,7 @@ static iso_status take_geometry(const char *head, iso_volume_source *source, iso
 static iso_status take_type(const char *head, size_t frames, iso_volume_source *source, iso_error *err)
 {
     double *codes = calloc(frames, sizeof *codes);
-    if (!codes)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    NEED_MEMORY(codes, err, "%s: out of memory", source->path);
     const size_t count = numbers_of(head, "BRICK_TYPES", codes, frames);
     const double code = codes[0];
     bool is_same = count == frames;
@@ -117,8 +116,7 @@ static iso_status choose_frame(const char *head, size_t frames, iso_volume_sourc
     NEED(iso_source_choose(source, &axes, err));
     const size_t k = source->choice.frame;
     FREED double *factors = calloc(k + 1, sizeof *factors);
-    if (!factors)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    NEED_MEMORY(factors, err, "%s: out of memory", source->path);
     if (numbers_of(head, "BRICK_FLOAT_FACS", factors, k + 1) == k + 1 && factors[k] != 0)
         source->header.notes.scale_slope = factors[k];
     return ISO_OK;

@@ -187,9 +187,9 @@ static iso_status get_answer(iso_volume_source *source, iso_error *err)
 {
     const child *r = source->reader;
     iso_child_answer answer;
-    const iso_status status = get(source, &answer, sizeof answer, err);
+    NEED(get(source, &answer, sizeof answer, err));
     child_end_text(&answer);
-    return status == ISO_OK ? child_check_answer(&answer, source->path, r->program->library, err) : status;
+    return child_check_answer(&answer, source->path, r->program->library, err);
 }
 
 static iso_status read_planes(iso_volume_source *source, size_t plane_count, void *out, iso_error *err)
@@ -288,8 +288,8 @@ static iso_status read_header(iso_volume_source *source, const iso_child_program
     child_end_texts(h);
     if (strcmp(h->version, ISO_VERSION) != 0)
         return iso_fail(err, ISO_E_MISSING, "%s is of version %s, isoshade of " ISO_VERSION, p->name, h->version);
-    iso_status status = child_check_answer(&h->answer, source->path, p->library, err);
-    return status == ISO_OK ? child_check_header(h, source->path, p->library, err) : status;
+    NEED(child_check_answer(&h->answer, source->path, p->library, err));
+    return child_check_header(h, source->path, p->library, err);
 }
 
 /* Chooses frame and channel. The program gives one of each: it is started again unless these are the first ones. */

@@ -15,8 +15,7 @@ static iso_status measure_planes(const char *path, iso_volume_source *source, do
     plane.geometry.size[2] = 1;
     FREED void *samples = plane.data = malloc(plane.geometry.size[0] * plane.geometry.size[1] *
                                               iso_type_bytes(plane.type));
-    if (!samples)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", path);
+    NEED_MEMORY(samples, err, "%s: no memory for a plane", path);
     for (size_t z = 0; z < planes; ++z) {
         NEED(iso_source_read(source, 1, plane.data, err));
         const iso_volume_stats s = iso_volume_measure(&plane);

@@ -141,10 +141,9 @@ static iso_status count_labels(const char *path, bool said, const iso_label_fact
 {
     *count = facts->is_map || said ? facts->count : 0; /* 0 also if the samples were not examined */
     if (said && facts->has_too_many)
-        return iso_fail(
-            err, ISO_E_RANGE,
-            "%s: a label map, but with more than %d values (--no-labels reads intensities)", path,
-            ISO_LABELS_MAX_COUNT);
+        return iso_fail(err, ISO_E_RANGE,
+                        "%s: a label map, but with more than %d values (--no-labels reads intensities)", path,
+                        ISO_LABELS_MAX_COUNT);
     return ISO_OK;
 }
 
@@ -166,13 +165,13 @@ iso_status iso_volume_input_look(const char *path, const iso_volume_input *in, s
 iso_status iso_volume_input_labels(const char *path, const iso_volume_input *in, size_t *count, iso_error *err)
 {
     iso_label_facts facts;
-    const iso_status status = iso_volume_input_look(path, in, count, &facts, err);
-    if (status == ISO_OK && *count > 0 && facts.is_far)
+    NEED(iso_volume_input_look(path, in, count, &facts, err));
+    if (*count > 0 && facts.is_far)
         return iso_fail(err, ISO_E_RANGE,
                         "%s: labels of %.0f to %.0f, those of a pyramid have 16 bits; render, view and export number "
                         "them",
                         path, facts.value[0], facts.value[facts.count - 1]);
-    return status;
+    return ISO_OK;
 }
 
 static iso_status note_labels(const char *path, const iso_volume_input *in, iso_volume *v, iso_error *err)

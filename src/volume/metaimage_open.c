@@ -177,8 +177,7 @@ static iso_status open_samples(const metaimage *m, iso_volume_source *source, is
     FREED char *path = sample_path(m, source->path, is_local);
     size_t offset = is_local ? m->end : m->header_bytes > 0 ? (size_t)m->header_bytes : 0;
     struct stat st;
-    if (!path)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    NEED_MEMORY(path, err, "%s: out of memory", source->path);
     if (m->header_bytes == -1 && stat(path, &st) == 0 && (size_t)st.st_size >= iso_source_bytes(source))
         offset = (size_t)st.st_size - iso_source_bytes(source);
     source->swap_bytes = iso_type_bytes(source->header.type) > 1 &&

@@ -142,12 +142,10 @@ static iso_status take_samples(const char *text, iso_volume_source *source, iso_
     if (strcmp(name, ".") == 0)
         return iso_source_take_part(source, source->path, offset, err);
     const char *base = iso_path_base(source->path);
-    char *beside = NULL;
+    FREED char *beside = NULL;
     if (asprintf(&beside, "%.*s%s", (int)(base - source->path), source->path, name) < 0)
         return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
-    const iso_status status = iso_source_take_part(source, beside, offset, err);
-    free(beside);
-    return status;
+    return iso_source_take_part(source, beside, offset, err);
 }
 
 static iso_status open_text(const char *text, iso_volume_source *source, iso_error *err)

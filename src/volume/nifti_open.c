@@ -361,8 +361,7 @@ static iso_status read_header(iso_volume_source *source, nifti_header *out, iso_
 static iso_status go_to_header(iso_volume_source *source, iso_error *err)
 {
     char *header = other_of_pair(source->path, ".img", ".hdr");
-    if (!header)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    NEED_MEMORY(header, err, "%s: out of memory", source->path);
     free(source->path);
     source->path = header;
     return iso_inputs_note(header, err);

@@ -113,8 +113,7 @@ iso_status iso_source_look_for_fills(iso_volume_source *all, bool *found, iso_er
 {
     const size_t *n = all->header.geometry.size;
     FREED char *plane = malloc(n[0] * n[1] * iso_type_bytes(all->header.type));
-    if (!plane)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", all->path);
+    NEED_MEMORY(plane, err, "%s: no memory for a plane", all->path);
     all->only_looks = true;
     for (size_t z = 0; z < n[2]; ++z)
         NEED(iso_source_read(all, 1, plane, err));

@@ -20,9 +20,7 @@
 #include "volume/segments.h"
 #include "volume/stream_kernel.h"
 
-/* ---- segments ---- */
-
-/* The segments that a .seg.nrrd file names; private to src/volume. */
+/* ---- the segments that a .seg.nrrd file names ---- */
 
 enum { MOST_SEGMENTS = 65536 };
 
@@ -383,8 +381,7 @@ static iso_status load_by_teem(iso_volume_source *source, const NrrdIoState *io,
     if (status != ISO_OK)
         return status;
     Nrrd *nrrd = nrrdNew();
-    if (!nrrd)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory to read it", source->path);
+    NEED_MEMORY(nrrd, err, "%s: no memory to read it", source->path);
     errno = 0;
     if (nrrdLoad(nrrd, source->path, NULL) != 0)
         status = teem_failed(source->path, nrrd, err);

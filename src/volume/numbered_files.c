@@ -18,8 +18,7 @@
 
 /* ---- lists of files ---- */
 
-/* Files that list others, a time step each: ParaView's .pvd and VTK's .series; private to src/volume. */
-
+/* Files that list others, a time step each: ParaView's .pvd and VTK's .series. */
 typedef struct listed_file {
     double time;
     char *path; /* in the list's folder, if its name is relative */
@@ -56,16 +55,14 @@ static iso_status add(file_list *list, const char *list_path, const char *name, 
     if (list->count == list->room) {
         list->room = list->room ? 2 * list->room : 64;
         listed_file *more = realloc(list->file, list->room * sizeof *more);
-        if (!more)
-            return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", list_path);
+        NEED_MEMORY(more, err, "%s: out of memory", list_path);
         list->file = more;
     }
     FREED char *folder = iso_path_dir(list_path);
     char *path = *name == '/' || (folder && strcmp(folder, ".") == 0) ? strdup(name)
                  : folder                                             ? iso_path_join(folder, name)
                                                                       : NULL;
-    if (!path)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", list_path);
+    NEED_MEMORY(path, err, "%s: out of memory", list_path);
     list->file[list->count++] = (listed_file){time, path};
     return ISO_OK;
 }
@@ -314,8 +311,7 @@ iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, 
     if (!find_place(base, &bytes) || stat(path, &st) == 0)
         return ISO_OK;
     ENDED_BY(free_files) numbered_files files = {0};
-    if (!find_files(path, base, &files))
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    NEED_MEMORY(find_files(path, base, &files), err, "%s: out of memory", path);
     if (files.count == 0)
         return iso_fail(err, ISO_E_IO, "%s: no file has a number in this place", path);
     found->count = files.count;

@@ -72,8 +72,7 @@ static iso_status make_slab(slab_reading *s, const iso_volume *header, size_t pl
     s->planes = s->planes ? s->planes : 1;
     s->slab = (iso_volume){.geometry = header->geometry, .type = header->type};
     s->slab.data = malloc(s->planes * plane_bytes);
-    if (!s->slab.data)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu planes", s->path, s->planes);
+    NEED_MEMORY(s->slab.data, err, "%s: no memory for %zu planes", s->path, s->planes);
     iso_label_facts facts;
     iso_volume *own = &s->out->header;
     const iso_status status = iso_volume_input_look(s->path, s->input, &own->notes.label_count, &facts, err);
@@ -163,12 +162,11 @@ static iso_status measure(slab_reading *s, iso_error *err)
 {
     s->out->stats = (iso_volume_stats){.min = INFINITY, .max = -INFINITY};
     s->are_whole = true;
-    iso_status status = each_slab(s, 0, measure_slab, err);
+    NEED(each_slab(s, 0, measure_slab, err));
     const size_t count = iso_geometry_voxel_count(&s->out->header.geometry), without = s->out->stats.no_data_count;
     s->out->stats.mean = s->sum / (double)(count - without);
     s->out->header.geometry.has_no_data = without > 0;
-    TRY(status, iso_volume_check_stats(&s->out->stats, &s->out->header.geometry, s->path, err));
-    return status;
+    return iso_volume_check_stats(&s->out->stats, &s->out->header.geometry, s->path, err);
 }
 
 /* ---- counting ---- */
@@ -178,12 +176,11 @@ static iso_status begin_counts(slab_reading *s, counts *c, iso_error *err)
     const iso_volume_stats *stats = &s->out->stats;
     c->row = malloc(s->out->header.geometry.size[0] * sizeof *c->row);
     c->fine = calloc(FINE_BINS, sizeof *c->fine);
-    if (!c->row || !c->fine)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for counts", s->path);
+    NEED_MEMORY(c->row && c->fine, err, "%s: no memory for counts", s->path);
     NEED(iso_value_histogram_begin(s->are_whole, stats->min, stats->max, ISO_OVERVIEW_BINS, &c->shown, err));
-    return s->opt->drawn_bins ? iso_value_histogram_begin(s->are_whole, stats->min, stats->max, s->opt->drawn_bins,
-                                                          &c->drawn, err)
-                              : ISO_OK;
+    return s->opt->drawn_bins
+               ? iso_value_histogram_begin(s->are_whole, stats->min, stats->max, s->opt->drawn_bins, &c->drawn, err)
+               : ISO_OK;
 }
 
 static void end_counts(counts *c)

@@ -90,8 +90,7 @@ static iso_status put_piece(pvti *p, iso_volume_source *whole, iso_volume_source
                         iso_type_name(v->type), iso_type_name(whole->header.type));
     NEED(check_place(whole, piece, at, err));
     FREED char *plane = malloc(n[0] * n[1] * sample);
-    if (!plane)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", whole->path);
+    NEED_MEMORY(plane, err, "%s: no memory for a plane", whole->path);
     for (size_t z = 0; z < n[2]; ++z) {
         NEED(iso_source_read(piece, 1, plane, err));
         for (size_t y = 0; y < n[1]; ++y)

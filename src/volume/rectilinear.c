@@ -37,8 +37,7 @@ iso_status iso_rectilinear_take(iso_rectilinear *r, int axis, iso_volume_source 
     FREED void *data = NULL;
     NEED(read_all(row, &data, err));
     r->at[axis] = malloc(count * sizeof *r->at[axis]);
-    if (!r->at[axis])
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", row->path);
+    NEED_MEMORY(r->at[axis], err, "%s: out of memory", row->path);
     for (size_t i = 0; i < count; ++i)
         r->at[axis][i] = value_at(data, row->header.type, i);
     r->count[axis] = count;

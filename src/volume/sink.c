@@ -58,8 +58,7 @@ iso_status iso_sink_open(const char *path, const iso_volume *like, bool gzip, is
     *sink = NULL;
     NEED(iso_geometry_check(&like->geometry, path, err));
     iso_volume_sink *s = calloc(1, sizeof *s);
-    if (!s)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+    NEED_MEMORY(s, err, "%s: out of memory", path);
     s->like = *like;
     s->like.data = NULL;
     iso_status status = iso_output_begin(&s->output, path, err);

@@ -121,8 +121,8 @@ iso_status iso_source_take_part(iso_volume_source *source, const char *path, siz
 
 iso_status iso_source_take_file(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
 {
-    const iso_status status = open_at(source, path, offset, err);
-    return status == ISO_OK ? iso_source_check_rest(source, err) : status;
+    NEED(open_at(source, path, offset, err));
+    return iso_source_check_rest(source, err);
 }
 
 iso_status iso_source_unit(iso_volume_source *source, const char *unit, const char *fallback, double *mm,
@@ -131,8 +131,7 @@ iso_status iso_source_unit(iso_volume_source *source, const char *unit, const ch
     iso_volume_notes *notes = &source->header.notes;
     const char *word = source->hints.unit ? source->hints.unit : unit && *unit ? unit : fallback, *name = "mm";
     if (!iso_unit_find(word, mm, &name))
-        return iso_fail(err, ISO_E_FORMAT,
-                        "%s: unknown unit \"%s\"; override it with --unit, one of " ISO_UNIT_NAMES,
+        return iso_fail(err, ISO_E_FORMAT, "%s: unknown unit \"%s\"; override it with --unit, one of " ISO_UNIT_NAMES,
                         source->path, word);
     notes->unit_mm = *mm;
     if (source->hints.unit || (unit && *unit))
@@ -157,8 +156,8 @@ iso_status iso_source_need_spacing(const iso_volume_source *source, const char *
     if (source->hints.spacing_mm[0] > 0)
         return ISO_OK;
     char choice[400];
-    return iso_fail(err, ISO_E_FORMAT, "%s: does not state the spacing %s; set --spacing SXxSYxSZ, in mm%s", source->path,
-                    what, describe_choice(source, choice, sizeof choice));
+    return iso_fail(err, ISO_E_FORMAT, "%s: does not state the spacing %s; set --spacing SXxSYxSZ, in mm%s",
+                    source->path, what, describe_choice(source, choice, sizeof choice));
 }
 
 iso_status iso_source_take_spacing(const iso_volume_source *source, double spacing[3], iso_error *err)
@@ -371,7 +370,8 @@ static iso_status refuse_unknown(const iso_volume_source *s, const file_head *he
     char shown[9] = "";
     for (size_t i = 0; i < sizeof others / sizeof *others; ++i) {
         if (others[i].bytes <= head->size && memcmp(head->bytes, others[i].magic, others[i].bytes) == 0)
-            return iso_fail(err, ISO_E_FORMAT, "%s: is %s, which is not read; %s", s->path, others[i].kind, others[i].remedy);
+            return iso_fail(err, ISO_E_FORMAT, "%s: is %s, which is not read; %s", s->path, others[i].kind,
+                            others[i].remedy);
     }
     if (memmem(head->bytes, head->size, "<VTKFile", 8))
         return iso_fail(err, ISO_E_FORMAT,
@@ -476,8 +476,7 @@ static iso_status find_range(iso_volume_source *source, double *lo, double *hi, 
 {
     const size_t *n = source->header.geometry.size, plane = n[0] * n[1];
     FREED double *samples = malloc(plane * sizeof *samples);
-    if (!samples)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", source->path);
+    NEED_MEMORY(samples, err, "%s: no memory for a plane", source->path);
     for (size_t z = 0; z < n[2]; ++z) {
         NEED(iso_source_read(source, 1, samples, err));
         for (size_t i = 0; i < plane; ++i) {

@@ -167,8 +167,7 @@ iso_status iso_source_skip_stored(iso_volume_source *s, size_t plane_count, iso_
         return ISO_OK;
     }
     FREED char *unwanted = plane_count ? malloc(plane) : NULL;
-    if (!(unwanted || !plane_count))
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->path);
+    NEED_MEMORY(unwanted || !plane_count, err, "%s: no memory for a plane", s->path);
     for (size_t i = 0; i < plane_count; ++i)
         NEED(read_stored(s, 1, unwanted, err));
     return ISO_OK;
@@ -201,8 +200,7 @@ static iso_status read_converted(iso_volume_source *s, size_t plane_count, char 
 {
     const size_t *n = s->header.geometry.size, plane = n[0] * n[1], bytes = iso_type_bytes(s->header.type);
     FREED void *cells = malloc(iso_source_plane_bytes(s));
-    if (!cells)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for a plane", s->path);
+    NEED_MEMORY(cells, err, "%s: no memory for a plane", s->path);
     for (size_t z = 0; z < plane_count; ++z) {
         NEED(read_stored(s, 1, cells, err));
         iso_source_look_at(s, cells, plane);

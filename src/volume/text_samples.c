@@ -118,8 +118,7 @@ iso_status iso_source_take_text(iso_volume_source *source, FILE *f, iso_text_lay
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated: %.0f bytes of text cannot hold %zu numbers", source->path,
                         bytes, count);
     source->preloaded = malloc(iso_source_bytes(source));
-    if (!source->preloaded)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu samples", source->path, count);
+    NEED_MEMORY(source->preloaded, err, "%s: no memory for %zu samples", source->path, count);
     for (size_t i = 0; i < count; ++i) {
         double value;
         const char *wrong = next_number(f, &value);

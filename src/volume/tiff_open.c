@@ -285,8 +285,7 @@ static iso_status find_pages(tiff_reader *r, const char *path, tiff_page *first,
         if (r->page_count == room) {
             room = room ? 2 * room : 64;
             uint64_t *more = realloc(r->page, room * sizeof *more);
-            if (!more)
-                return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
+            NEED_MEMORY(more, err, "%s: out of memory", path);
             r->page = more;
         }
         r->page[r->page_count++] = TIFFCurrentDirOffset(r->tiff);
@@ -460,8 +459,7 @@ static void close_tiff(iso_volume_source *source)
 static iso_status start_reader(iso_volume_source *source, iso_error *err)
 {
     tiff_reader *r = calloc(1, sizeof *r);
-    if (!r)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path);
+    NEED_MEMORY(r, err, "%s: out of memory", source->path);
     source->reader = r;
     source->read_planes = read_planes;
     source->close_reader = close_tiff;

@@ -238,9 +238,8 @@ iso_status iso_volume_check_stats(const iso_volume_stats *s, const iso_geometry 
         return iso_fail(err, ISO_E_RANGE,
                         "%s: %zu of %zu voxels are NaN or infinite, none may be; the first is (%zu, %zu, %zu)", path,
                         s->nonfinite_count, count, s->first_nonfinite[0], s->first_nonfinite[1], s->first_nonfinite[2]);
-    return s->no_data_count < count
-               ? ISO_OK
-               : iso_fail(err, ISO_E_RANGE, "%s: none of its %zu voxels has data", path, count);
+    return s->no_data_count < count ? ISO_OK
+                                    : iso_fail(err, ISO_E_RANGE, "%s: none of its %zu voxels has data", path, count);
 }
 
 /* Reads all planes of a source, then closes it. */
@@ -279,8 +278,8 @@ iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, i
 {
     *v = (iso_volume){0};
     iso_volume_source *source;
-    iso_status status = iso_source_open_raw(path, layout, &source, err);
-    return status == ISO_OK ? iso_volume_load_source(source, path, v, err) : status;
+    NEED(iso_source_open_raw(path, layout, &source, err));
+    return iso_volume_load_source(source, path, v, err);
 }
 
 iso_status iso_volume_save(const iso_volume *v, const char *path, bool gzip, iso_error *err)

@@ -301,8 +301,7 @@ static iso_status take_bytes(const vti *v, iso_volume_source *source, const unsi
     const size_t bytes = iso_source_bytes(source), n = v->length_bytes;
     NEED(iso_source_check_packed(source, source->path, (double)size, v->packed ? packers[v->packer].most : 1, err));
     source->preloaded = malloc(bytes);
-    if (!source->preloaded)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu bytes of samples", source->path, bytes);
+    NEED_MEMORY(source->preloaded, err, "%s: no memory for %zu bytes of samples", source->path, bytes);
     const bool well = v->packed ? unpack(v, data, size, (unsigned char *)source->preloaded, bytes)
                                 : size >= n + bytes && number_at(v, data) == bytes;
     if (!well)

@@ -15,7 +15,6 @@
 /* The header of a classic netCDF file, before netCDF's library sees it: the library copies names and
  * lists of dimensions of any length into its callers' buffers (nc_inq_var() and the like of 4.9), which its
  * documentation lets be of NC_MAX_NAME and NC_MAX_VAR_DIMS. */
-
 namespace {
 
 class Header {

@@ -12,7 +12,6 @@
 /* Siemens mosaics: a picture whose tiles are the slices of a volume, row by row, in a square.
  *
  * The number of slices and their normal are private elements of Siemens. */
-
 namespace {
 
 struct Mosaic {

@@ -20,7 +20,6 @@
  *
  * A voxel's label is the number of its segment. Segments that overlap, and those of fractional values, are channels
  * instead, named as the segments. Slices that the file leaves out are empty. */
-
 namespace {
 
 /* Returns the distance of a frame from the file's first along the unit normal. */
@@ -72,6 +71,19 @@ Slices slices_of(const DicomFile &file)
         s.of_frame.push_back(static_cast<size_t>(std::round(at)));
     }
     return s;
+}
+
+/* Copies the names of its segments to the header of a label map. */
+void name_segments(const DicomFile &file, iso_child_header &header)
+{
+    size_t count = 0;
+    for (const auto &segment : file.segments) {
+        if (segment.name.empty() || count == ISO_CHILD_SEGMENTS)
+            continue;
+        iso_child_segment &to = header.segment[count++];
+        to.label = static_cast<uint16_t>(segment.number);
+        snprintf(to.name, sizeof to.name, "%s", segment.name.c_str());
+    }
 }
 
 class SegmentReader : public PlaneReader {
@@ -166,7 +178,6 @@ private:
     }
 };
 
-
 /* True if each frame belongs to a segment. */
 bool is_of_segments(const DicomFile &file)
 {
@@ -181,25 +192,6 @@ std::unique_ptr<PlaneReader> open_segments(const DicomFile &file, size_t channel
              file.path + ": segments of " + std::to_string(file.coding.bits) + " bits per voxel, must be 1 or 8");
     return std::make_unique<SegmentReader>(file, channel);
 }
-
-/* Copies the names of its segments to the header of a label map. */
-void name_segments(const DicomFile &file, iso_child_header &header)
-{
-    size_t count = 0;
-    for (const auto &segment : file.segments) {
-        if (segment.name.empty() || count == ISO_CHILD_SEGMENTS)
-            continue;
-        iso_child_segment &to = header.segment[count++];
-        to.label = static_cast<uint16_t>(segment.number);
-        snprintf(to.name, sizeof to.name, "%s", segment.name.c_str());
-    }
-}
-
-} // namespace
-
-/* ---- the program ---- */
-
-namespace {
 
 /* ---- DICOM ---- */
 

@@ -16,7 +16,6 @@
 /* Windows bitmaps that are not packed: indices of 8 bits into a palette, or colors of 24 and 32 bits.
  *
  * A palette that is gray throughout gives gray values, not colors: such are the slices of micro-CT scanners. */
-
 namespace {
 
 struct Bitmap {
