@@ -29,8 +29,11 @@ void iso_cli_print_names(FILE *f, const iso_names *names)
         widest = width > widest ? width : widest;
     }
     fprintf(f, "%s:\n", names->plural);
-    for (size_t i = 0; i < names->count; ++i)
-        fprintf(f, "  %-*s  %s\n", widest, iso_names_name(names, i), iso_names_summary(names, i));
+    for (size_t i = 0; i < names->count; ++i) {
+        const char *summary = iso_names_summary(names, i);
+        fprintf(f, "  %-*s%s%s\n", summary ? widest : 0, iso_names_name(names, i), summary ? "  " : "",
+                summary ? summary : "");
+    }
 }
 
 /* ---- --help: at most 20 options; --help=all has all of them ---- */

@@ -3,6 +3,7 @@
 # isoshade-lab levels: the table as a command, its keys, what is left out, and bad usage.
 . "$(dirname "$0")/../lib.sh"
 "$ISOSHADE" make shells --size 24 --type uint8 -o shells.nrrd -q && "$ISOSHADE" make constant --size 24 --type uint8 -o constant.nrrd -q || exit 1
+check its_help_has_names_without_words bash -c '"$LAB" levels --help=all >help && grep -qx "  opacity/2" help && ! grep -q null help'
 few=(levels --quick --views 1 --size 40 --levels 3 -q)
 
 expect the_table_runs 0 "$LAB" "${few[@]}" shells.nrrd --methods default,original,on-the-fly,gauss --csv table.csv
