@@ -159,7 +159,7 @@ done
 quoted="a'; system('touch PWNED'); print 'x"
 mkdir "$quoted"
 check a_picture_of_any_name isoshade tf show "${shells%.scene.json}.tf.json" -o "$quoted.png" -q
-check so_by_any_command isoshade tf triangle s.iso --level 1 --tf "${shells%.scene.json}.tf.json" -o "$quoted.svg" -q
+check so_by_any_command isoshade figure s.iso --kind tf --tf "${shells%.scene.json}.tf.json" -o "$quoted.svg" -q
 check so_one_of_two_quotes isoshade tf show "${shells%.scene.json}.tf.json" -o "a''z.png" --no-sandbox -q
 cp "${shells%.scene.json}.tf.json" "a''z.tf.json"
 check and_a_title_of_two isoshade tf show "a''z.tf.json" -o titled.png -q

@@ -71,7 +71,7 @@ refuse range_of_a_preset '--range needs a file as --tf, not the preset ct-bone' 
 refuse range_of_nothing '--range needs a file as --tf' "$ISOSHADE" plan nothing.nrrd --range 0,1
 refuse bad_unit_distance '--unit-distance is "x"' "$ISOSHADE" chart nothing.nrrd --tf $top/refscenes/shells.tf.json --unit-distance x -o x
 # What a picture shows is asked for alike everywhere, in the same words, and checked before the volume is read.
-looks="render -o x.png/export --to blender -o x.blend/validate -o x/plan/chart -o x/tf bound/tf adapt -o x/tf triangle --level 1/scenes -o x.png"
+looks="render -o x.png/export --to blender -o x.blend/validate -o x/plan/chart -o x/tf bound/tf adapt -o x/scenes -o x.png"
 looks+="/lab plan/lab convergence/lab palette/lab encode"
 IFS=/
 for command in $looks; do

@@ -47,12 +47,6 @@ check shown_as_json bash -c '"$ISOSHADE" tf show "$0" -o shown.svg --json | grep
 check show_png "$ISOSHADE" tf show "$tf" shells_level_1.tf.json --volume shells.nrrd -o tf.png
 head -c 4 tf.png 2>/dev/null | grep -q PNG && ok picture_is_png || not_ok picture_is_png "$(head -c 20 tf.png)"
 check show_svg "$ISOSHADE" tf show "$tf" -o tf.svg
-expect triangle 0 "$ISOSHADE" tf triangle shells.nrrd --tf "$tf" --level 1 -o triangle.png
-grep -q 'Gaussian 0.[0-9]*, constant 0' out && [ -s triangle.png ] && ok triangle_shows_corners || not_ok triangle_shows_corners "$(cat out)"
-"$ISOSHADE" tf triangle shells.nrrd --tf "$tf" --level 1 -o triangle.pdf -q >out
-# With room to the edge: in a PNG letters are wider, and what lies beyond is not drawn.
-on_the_page() { pdftotext -bbox "$1" - | awk -F'"' '/<page/ {wide = $2} />'"$2"'</ {found = 1; if ($6 > wide - 6) bad = 1} END {exit !found || bad}'; }
-check what_its_colors_are_is_on_the_page on_the_page triangle.pdf voxels
 check convert_csv "$ISOSHADE" tf convert "$tf" -o tf.csv
 [ "$(wc -l <tf.csv)" = 257 ] && ok csv_has_a_line_an_entry || not_ok csv_has_a_line_an_entry "$(wc -l <tf.csv)"
 expect or_by_two_names 0 "$ISOSHADE" tf convert "$tf" two.csv
@@ -107,7 +101,7 @@ refuse roi_band_without_roi 2 'need --roi' "$ISOSHADE" render shells.iso --level
 refuse roi_for_vdb 2 'cannot be used with --to vdb' "$ISOSHADE" export shells.iso --to vdb --level 1 --roi 8,8,8,30,30,30 -o z.vdb -q
 check a_region_of_interest_is_exported "$ISOSHADE" export shells.iso --to povray --level 1 --size 48 --scene "$scene" --adapt --tf-2d deviation --roi 8,8,8,30,30,30 -o pov -q
 [ -s pov/pov_roi_scalar.df3 ] && [ -s pov/pov_second.df3 ] && ok its_files_are_there || not_ok its_files_are_there "$(ls pov)"
-refuse unknown_action 2 'must be one of: adapt, bound, convert, names, show, suggest, triangle' "$ISOSHADE" tf blend "$tf" -o x
+refuse unknown_action 2 'must be one of: adapt, bound, convert, names, show, suggest' "$ISOSHADE" tf blend "$tf" -o x
 refuse adapt_without_output 2 'usage: isoshade tf adapt' "$ISOSHADE" tf adapt shells.iso
 # Presets are laid on the values of a stored pyramid, whose samples are read for them; a scene has its own.
 expect adapt_of_a_preset 0 "$ISOSHADE" tf adapt shells.iso --tf simulation --level 1 -q -o preset.tf.json

@@ -29,17 +29,15 @@
 
 static char *search_path(const char *program)
 {
-    const char *path = getenv("PATH");
-    FREED char *copy = strdup(path ? path : "/usr/bin:/bin");
-    char *found = NULL, *rest = copy;
-    for (char *dir; copy && !found && (dir = strsep(&rest, ":"));) {
-        char *candidate = iso_path_join(*dir ? dir : ".", program);
+    const char *path = getenv("PATH"), *dir = path ? path : "/usr/bin:/bin";
+    for (const char *end; dir; dir = *end ? end + 1 : NULL) {
+        end = strchrnul(dir, ':');
+        FREED char *folder = end > dir ? strndup(dir, (size_t)(end - dir)) : strdup(".");
+        FREED char *candidate = folder ? iso_path_join(folder, program) : NULL;
         if (candidate && access(candidate, X_OK) == 0 && !iso_path_is_dir(candidate))
-            found = candidate;
-        else
-            free(candidate);
+            return strdup(candidate);
     }
-    return found;
+    return NULL;
 }
 
 iso_status iso_process_find(const char *program, const char *debian_package, char **path, iso_error *err)

@@ -31,13 +31,6 @@ iso_status iso_cli_tf_suggest(const iso_tf_arguments *a, iso_error *err);
 /* Stage of the work on levels, and its part of the time: a pyramid may have to be built first. */
 #define ISO_TF_LEVELS_STAGE "levels"
 void iso_cli_tf_expect_levels(const iso_cli *cli);
-/* Loads the pyramid arguments[1], or builds it from a volume. A stored pyramid, which keeps its histograms, is read
- * with samples only for small views, for transfer functions made from values, and if a histogram is missing. */
-iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, const iso_subject_look *look, bool small_views,
-                                   const iso_pyramid_options *build, iso_pyramid *p, iso_error *err);
-/* Makes the table of the look's transfer function. */
-iso_status iso_cli_tf_tabulate(const iso_subject_look *look, const iso_pyramid *p, iso_tf_table *table, iso_error *err);
-
 /* A TF file and its table, for the volume of --volume, or for the range [0, 1] and voxels of 1 mm. */
 typedef struct iso_cli_tf_table {
     iso_tf tf;

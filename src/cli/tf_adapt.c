@@ -150,41 +150,27 @@ static iso_status adapt_one(adapt_run *run, size_t level, iso_error *err)
     return ISO_OK;
 }
 
-iso_status iso_cli_tf_load_subject(const iso_tf_arguments *a, const iso_subject_look *look, bool small_views,
-                                   const iso_pyramid_options *build, iso_pyramid *p, iso_error *err)
-{
-    const char *input = a->cli->arguments[1];
-    iso_progress progress = iso_cli_progress(a->cli);
-    if (iso_pyramid_is_one(input)) {
-        NEED(iso_pyramid_load_outline(input, p, err));
-        small_views = small_views && iso_geometry_voxel_count(&p->levels[0].geometry) <= ISO_SMALL_VIEWS_MAX_VOXELS;
-        if (!small_views && !iso_subject_look_needs_values(look))
-            return ISO_OK;
-        iso_pyramid_destroy(p);
-        return iso_pyramid_load_scalars(input, p, err);
-    }
-    return iso_subject_load_pyramid(input, &a->input, build, &progress, p, err);
-}
-
 static iso_status tabulate(const iso_scene *scene, const iso_pyramid *p, iso_tf_table *table, iso_error *err)
 {
     return iso_tf_tabulate(&scene->tf, iso_pyramid_lo(p), iso_pyramid_hi(p), &p->levels[0].geometry, table, err);
 }
 
-iso_status iso_cli_tf_tabulate(const iso_subject_look *look, const iso_pyramid *p, iso_tf_table *table, iso_error *err)
-{
-    OWNED(iso_scene) scene = {0};
-    NEED(iso_subject_make_scene(look, p, &scene, err));
-    return tabulate(&scene, p, table, err);
-}
-
-/* Loads the pyramid, with all that its pictures need if they are drawn. */
+/* Loads the pyramid arguments[1], or builds it from a volume. A stored pyramid, which keeps its histograms, is read
+ * with samples only for pictures, for transfer functions made from values, and if a histogram is missing. */
 static iso_status load(const iso_tf_arguments *a, const iso_subject_look *look, const iso_pyramid_options *build,
                        iso_pyramid *p, iso_error *err)
 {
+    const char *input = a->cli->arguments[1];
     const iso_progress progress = iso_cli_progress(a->cli);
-    return a->optimize ? iso_subject_load_pyramid(a->cli->arguments[1], &a->input, build, &progress, p, err)
-                       : iso_cli_tf_load_subject(a, look, !a->adapted.always, build, p, err);
+    if (a->optimize || !iso_pyramid_is_one(input))
+        return iso_subject_load_pyramid(input, &a->input, build, &progress, p, err);
+    NEED(iso_pyramid_load_outline(input, p, err));
+    const bool draws =
+        !a->adapted.always && iso_geometry_voxel_count(&p->levels[0].geometry) <= ISO_SMALL_VIEWS_MAX_VOXELS;
+    if (!draws && !iso_subject_look_needs_values(look))
+        return ISO_OK;
+    iso_pyramid_destroy(p);
+    return iso_pyramid_load_scalars(input, p, err);
 }
 
 void iso_cli_tf_expect_levels(const iso_cli *cli)

@@ -147,9 +147,6 @@ static iso_status run_tf(void *user, const iso_lab_visited *v, iso_error *err)
 
 static iso_status run_all(ghost_bench *b, iso_error *err)
 {
-    iso_status status = ISO_OK;
-    if (status != ISO_OK)
-        return status;
     b->rows = json_array();
     if (!b->cli->json) {
         printf("%-20s %-13s %c ", "ghost in %, 1-SSIM", "", ' ');
@@ -158,7 +155,7 @@ static iso_status run_all(ghost_bench *b, iso_error *err)
         printf("\n");
     }
     const iso_progress progress = iso_cli_progress(b->cli);
-    status = iso_lab_visit_volumes(&(iso_lab_volumes){b->cli, &b->input, b->levels, &progress}, run_tf, b, err);
+    const iso_status status = iso_lab_visit_volumes(&(iso_lab_volumes){b->cli, &b->input, b->levels, &progress}, run_tf, b, err);
     if (status == ISO_OK && b->cli->json) {
         json_t *root = iso_cli_json(b->cli);
         json_object_set(root, "cases", b->rows);

@@ -21,4 +21,5 @@
     X(power) \
     X(reference) \
     X(seams) \
-    X(tf)
+    X(tf) \
+    X(triangle)

@@ -56,4 +56,16 @@ done
 refuse too_many_views 2 --views "$LAB" consistency --shading --views 7 -q
 refuse a_surface_beyond_the_range 2 --surface "$LAB" consistency --shading --surface 1.5 -q
 expect a_missing_volume 3 "$LAB" "${quick[@]}" missing.nrrd
+# ---- triangle: Figure 7 ----
+tf=$top/refscenes/shells.tf.json
+"$ISOSHADE" make shells --size 24 --type uint8 -q -o triangle.nrrd
+expect triangle 0 "$LAB" triangle triangle.nrrd --tf "$tf" -o triangle.png
+check its_corners_are_printed grep -qE 'Gaussian 0\.[0-9]+, constant 0\.[0-9]+, triangular 0\.[0-9]+; least 0\.[0-9]+' out
+check its_picture_is_a_png grep -q PNG triangle.png
+"$LAB" triangle triangle.nrrd --tf "$tf" -o triangle.pdf --json -q >out
+holds the_least_is_no_corners "$(json_number out rms_least) <= $(json_number out rms_gauss) && $(json_number out rms_least) <= $(json_number out rms_constant)"
+# With room to the edge: in a PNG letters are wider, and letters beyond the edge are not drawn.
+on_the_page() { pdftotext -bbox "$1" - | awk -F'"' '/<page/ {wide = $2} />'"$2"'</ {found = 1; if ($6 > wide - 6) bad = 1} END {exit !found || bad}'; }
+check the_words_of_its_colors_are_on_the_page on_the_page triangle.pdf voxels
+refuse it_needs_a_transfer_function 2 "--tf is missing" "$LAB" triangle triangle.nrrd
 exit $failed
