@@ -23,7 +23,9 @@ run_one() { # name, command ...: output and exit code into the logs; one line fo
     busy=$(awk '{print $1 + $2}' "$log.time")
     printf '%s  %-48s %6.1f s of processor time, %3d s\n' $verdict "$name" "$busy" $((SECONDS - start))
     if [ $verdict = FAIL ]; then
-        printf '%s\n' "$(grep -vE '^\[ RUN|^\[       OK|^ok ' "$log.out" | tail -n 60)"
+        # The cause is at the beginning, and a sanitizer's findings may follow by the hundred.
+        grep -vE '^\[ RUN|^\[       OK|^ok ' "$log.out" | awk '{line[NR] = $0}
+            END {for (i = 1; i <= NR; ++i) if (i <= 30 || i > NR - 30) print line[i]; else if (i == 31) print "..."}'
     fi
 }
 # One more than cores: some wait for a disk, a limit of time or another program.
