@@ -4,9 +4,9 @@
 # one that has no reason, or meets no finding in a file that was looked at (looked=all: in any), is told of, too.
 # Neither analyzer understands what src/base/owned.h does: leaks of variables that it releases are passed over.
 function is_owned(finding,    part, name, line, n, owned, in_owned) {
-    if (finding !~ /[Ll]eak/ || !match(finding, /'[a-z_0-9]+'|leak: [a-z_0-9]+/)) return 0
+    if (finding !~ /[Ll]eak/ || !match(finding, /'[a-z_0-9.]+'|leak: [a-z_0-9.]+/)) return 0
     name = substr(finding, RSTART, RLENGTH)
-    gsub(/'|leak: /, "", name)
+    gsub(/'|leak: |\..*/, "", name) # a member is the variable's
     split(finding, part, ":")
     while (n++ < part[2] && (getline line < part[1]) > 0) {
         if (line ~ /(FREED|OWNED\(|ENDED_BY\(|json_auto_t)/) in_owned = 1

@@ -130,8 +130,10 @@ iso_status iso_manifest_write(const char *folder, const char *const *own, iso_er
     size_t bytes = 0;
     FILE *memory = path ? open_memstream(&text, &bytes) : NULL;
     NEED_MEMORY(memory, err, "%s: no memory for the list of its files", folder);
-    NEED(walk_below(folder, "", list_entry, &(listing){memory, own}, err));
-    NEED_MEMORY(iso_memory_close(memory) == 0, err, "%s: no memory for the list of its files", folder);
+    const iso_status walked = walk_below(folder, "", list_entry, &(listing){memory, own}, err);
+    const bool is_whole = iso_memory_close(memory) == 0;
+    NEED(walked);
+    NEED_MEMORY(is_whole, err, "%s: no memory for the list of its files", folder);
     FILE *file = fopen(path, "we");
     bool good = file && fwrite(text, 1, bytes, file) == bytes;
     good = file && fclose(file) == 0 && good;

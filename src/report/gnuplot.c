@@ -155,9 +155,11 @@ static iso_status write_script(const char *path, const char *format, const char 
     fputs("set encoding utf8\nset output ", gp);
     iso_gnuplot_put_quoted(gp, picture);
     fputc('\n', gp);
-    NEED(write(gp, user, err));
+    const iso_status written = write(gp, user, err);
     const bool failed = ferror(gp) != 0; /* an incomplete script would draw another picture */
-    return fclose(gp) != 0 || failed ? iso_fail(err, ISO_E_IO, "%s: cannot be written", path) : ISO_OK;
+    const bool is_whole = fclose(gp) == 0 && !failed;
+    NEED(written);
+    return is_whole ? ISO_OK : iso_fail(err, ISO_E_IO, "%s: cannot be written", path);
 }
 
 iso_status iso_gnuplot_picture(const char *output, double width, double height, iso_gnuplot_writer write, void *user,

@@ -18,14 +18,14 @@
 
 /* ---- lists of files ---- */
 
-/* Files that list others, a time step each: ParaView's .pvd and VTK's .series. */
+/* Files that make a series: listed by ParaView's .pvd or VTK's .series, or with numbers in their names. */
 typedef struct listed_file {
-    double time;
-    char *path; /* in the list's folder, if its name is relative */
+    double time; /* or the number */
+    char *path;  /* in the list's folder, if its name is relative */
 } listed_file;
 
 typedef struct file_list {
-    listed_file *file; /* by time; those of one time as they are listed */
+    listed_file *file; /* by time, then by path */
     size_t count, room;
     double step; /* of time, if it is even within 1 %; 0 otherwise */
 } file_list;
@@ -47,23 +47,40 @@ static void file_list_destroy(file_list *list)
     *list = (file_list){0};
 }
 
+/* Appends a file and takes its path. False without memory, also for the path. */
+static bool append(file_list *list, double time, char *path)
+{
+    if (path && list->count == list->room) {
+        const size_t room = list->room ? 2 * list->room : 64;
+        listed_file *more = realloc(list->file, room * sizeof *more);
+        if (!more) {
+            free(path);
+            return false;
+        }
+        list->file = more;
+        list->room = room;
+    }
+    if (path)
+        list->file[list->count++] = (listed_file){time, path};
+    return path;
+}
+
+static int by_time(const void *a, const void *b)
+{
+    const listed_file *x = a, *y = b;
+    return x->time != y->time ? (x->time > y->time) - (x->time < y->time) : strcmp(x->path, y->path);
+}
+
 static iso_status add(file_list *list, const char *list_path, const char *name, double time, iso_error *err)
 {
     if (!*name || !isfinite(time))
         return iso_fail(err, ISO_E_FORMAT, "%s: entry %zu has no %s", list_path, list->count + 1,
                         *name ? "finite time" : "file");
-    if (list->count == list->room) {
-        list->room = list->room ? 2 * list->room : 64;
-        listed_file *more = realloc(list->file, list->room * sizeof *more);
-        NEED_MEMORY(more, err, "%s: out of memory", list_path);
-        list->file = more;
-    }
     FREED char *folder = iso_path_dir(list_path);
     char *path = *name == '/' || (folder && strcmp(folder, ".") == 0) ? strdup(name)
                  : folder                                             ? iso_path_join(folder, name)
                                                                       : NULL;
-    NEED_MEMORY(path, err, "%s: out of memory", list_path);
-    list->file[list->count++] = (listed_file){time, path};
+    NEED_MEMORY(append(list, time, path), err, "%s: out of memory", list_path);
     return ISO_OK;
 }
 
@@ -146,12 +163,6 @@ static iso_status read_series(const char *path, const char *text, size_t size, f
 
 /* ---- both ---- */
 
-static int by_time(const void *a, const void *b)
-{
-    const listed_file *x = a, *y = b;
-    return (x->time > y->time) - (x->time < y->time);
-}
-
 static iso_status put_in_order(const char *path, file_list *list, iso_error *err)
 {
     if (list->count == 0)
@@ -172,13 +183,12 @@ static iso_status put_in_order(const char *path, file_list *list, iso_error *err
     return ISO_OK;
 }
 
-/* Reads a list, to be destroyed in every case. ISO_E_FORMAT: the list is damaged or empty, or has several parts of a
+/* Reads a list. ISO_E_FORMAT: the list is damaged or empty, or has several parts of a
  * time step; ISO_E_IO; ISO_E_MEMORY. */
 static iso_status file_list_read(const char *path, file_list *list, iso_error *err)
 {
     FREED char *text = NULL;
     size_t size = 0;
-    *list = (file_list){0};
     NEED(iso_inputs_note(path, err));
     NEED(iso_file_read(path, &text, &size, err));
     if (size > MOST_BYTES)
@@ -188,16 +198,6 @@ static iso_status file_list_read(const char *path, file_list *list, iso_error *e
 }
 
 /* ---- the frames ---- */
-
-typedef struct numbered {
-    unsigned long long number;
-    char *name;
-} numbered;
-
-typedef struct numbered_files {
-    numbered *file;
-    size_t count, room;
-} numbered_files;
 
 /* Finds the place of a number such as %d or %04d in a file's name; NULL if there is none. */
 static const char *find_place(const char *name, size_t *bytes)
@@ -211,93 +211,48 @@ static const char *find_place(const char *name, size_t *bytes)
 }
 
 /* True if `name` is `before` bytes of the pattern, digits and `after`; *number is then the digits' value. */
-static bool has_number(const char *name, const char *pattern, size_t before, const char *after,
-                       unsigned long long *number)
+static bool has_number(const char *name, const char *pattern, size_t before, const char *after, double *number)
 {
     const size_t length = strlen(name), end = strlen(after);
     if (length <= before + end || strncmp(name, pattern, before) != 0 || strcmp(name + length - end, after) != 0)
         return false;
     const size_t digits = strspn(name + before, "0123456789");
-    *number = strtoull(name + before, NULL, 10);
+    *number = (double)strtoull(name + before, NULL, 10); /* names decide between numbers above 2^53 */
     return digits == length - before - end;
 }
 
-static int by_number(const void *a, const void *b)
-{
-    const numbered *x = a, *y = b;
-    return x->number != y->number ? (x->number > y->number) - (x->number < y->number) : strcmp(x->name, y->name);
-}
-
-static void free_files(numbered_files *files)
-{
-    for (size_t i = 0; i < files->count; ++i)
-        free(files->file[i].name);
-    free(files->file);
-}
-
-static bool add_file(numbered_files *files, const char *folder, const char *name, unsigned long long number)
-{
-    if (files->count == files->room) {
-        files->room = files->room ? 2 * files->room : 64;
-        numbered *more = realloc(files->file, files->room * sizeof *more);
-        if (!more)
-            return false;
-        files->file = more;
-    }
-    char *path = strcmp(folder, ".") == 0 ? strdup(name) : iso_path_join(folder, name);
-    files->file[files->count] = (numbered){number, path};
-    files->count += path != NULL;
-    return path != NULL;
-}
-
-static bool find_files(const char *path, const char *base, numbered_files *files)
+static bool find_files(const char *path, const char *base, file_list *files)
 {
     size_t bytes = 0;
-    unsigned long long number;
+    double number;
     const char *at = find_place(base, &bytes);
     FREED char *folder = iso_path_dir(path);
     DIR *dir = folder ? opendir(folder) : NULL;
     bool well = folder != NULL;
     for (const struct dirent *entry; dir && well && (entry = readdir(dir));)
         if (has_number(entry->d_name, base, (size_t)(at - base), at + bytes, &number))
-            well = add_file(files, folder, entry->d_name, number);
+            well = append(files, number,
+                          strcmp(folder, ".") == 0 ? strdup(entry->d_name) : iso_path_join(folder, entry->d_name));
     if (dir)
         closedir(dir);
     if (files->count > 1)
-        qsort(files->file, files->count, sizeof *files->file, by_number);
+        qsort(files->file, files->count, sizeof *files->file, by_time);
     return well;
 }
 
-static iso_status choose_file(const char *path, const iso_volume_hints *hints,
-                              const char *name_of(const void *, size_t), const void *files, iso_frame_file *found,
-                              iso_error *err)
+static iso_status choose_file(const char *path, const iso_volume_hints *hints, const file_list *files,
+                              iso_frame_file *found, iso_error *err)
 {
     const iso_volume_hints none = {0};
-    const iso_extra_axes axes = {.frame = {.count = found->count}, .frame_step = found->step};
+    const iso_extra_axes axes = {.frame = {.count = files->count}, .frame_step = files->step};
+    found->count = files->count;
+    found->step = files->step;
     NEED(iso_frames_choose(path, hints ? hints : &none, &axes, &found->frame, err));
-    for (size_t i = 0; i < found->count; ++i) /* all: an output of one must not replace another */
-        NEED(iso_inputs_note(name_of(files, i), err));
-    found->path = strdup(name_of(files, found->frame));
-    return found->path ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", path);
-}
-
-static const char *numbered_at(const void *files, size_t i)
-{
-    return ((const numbered_files *)files)->file[i].name;
-}
-
-static const char *listed_at(const void *list, size_t i)
-{
-    return ((const file_list *)list)->file[i].path;
-}
-
-static iso_status of_list(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err)
-{
-    OWNED(file_list) list = {0};
-    NEED(file_list_read(path, &list, err));
-    found->count = list.count;
-    found->step = list.step;
-    return choose_file(path, hints, listed_at, &list, found, err);
+    for (size_t i = 0; i < files->count; ++i) /* all: an output of one must not replace another */
+        NEED(iso_inputs_note(files->file[i].path, err));
+    found->path = strdup(files->file[found->frame].path);
+    NEED_MEMORY(found->path, err, "%s: out of memory", path);
+    return ISO_OK;
 }
 
 iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, iso_frame_file *found, iso_error *err)
@@ -305,15 +260,16 @@ iso_status iso_frames_of_files(const char *path, const iso_volume_hints *hints, 
     struct stat st;
     size_t bytes;
     const char *base = iso_path_base(path);
+    OWNED(file_list) files = {0};
     *found = (iso_frame_file){0};
-    if (file_list_is_one(path))
-        return of_list(path, hints, found, err);
+    if (file_list_is_one(path)) {
+        NEED(file_list_read(path, &files, err));
+        return choose_file(path, hints, &files, found, err);
+    }
     if (!find_place(base, &bytes) || stat(path, &st) == 0)
         return ISO_OK;
-    ENDED_BY(free_files) numbered_files files = {0};
     NEED_MEMORY(find_files(path, base, &files), err, "%s: out of memory", path);
     if (files.count == 0)
         return iso_fail(err, ISO_E_IO, "%s: no file has a number in this place", path);
-    found->count = files.count;
-    return choose_file(path, hints, numbered_at, &files, found, err);
+    return choose_file(path, hints, &files, found, err);
 }
