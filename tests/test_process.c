@@ -37,6 +37,19 @@ TEST(a_canceled_call_ends_its_program)
     assert_int_equal(calls, 3);
 }
 
+TEST(output_is_whole_also_of_lines_that_are_longer_than_a_message)
+{
+    FREED char *bytes = NULL;
+    size_t size = 0;
+    FILE *output = open_memstream(&bytes, &size);
+    const iso_process_options options = {.output = output, .sandbox = {.kind = ISO_SANDBOX_NONE}};
+    const char *const argv[] = {"/bin/sh", "-c", "printf '%5000d\\n' 7; echo end", NULL};
+    assert_ok(iso_process_run(argv, &options, &err));
+    assert_int_equal(fclose(output), 0);
+    assert_int_equal(size, 5000 + 1 + 4);
+    assert_string_equal(bytes + 4999, "7\nend\n");
+}
+
 TEST(an_exit_code_is_reported_with_the_line_that_speaks_of_an_error)
 {
     const char *argv[] = {"/bin/sh", "-c", "echo one; echo an error here; echo three; exit 3", NULL};

@@ -106,6 +106,8 @@ static void end_line(line_log *log)
 
 static void take_output(line_log *log, const char *bytes, size_t count)
 {
+    if (log->options->output)
+        fwrite(bytes, 1, count, log->options->output);
     for (size_t i = 0; i < count; ++i) {
         if (bytes[i] == '\n' || bytes[i] == '\r')
             end_line(log);

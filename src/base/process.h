@@ -3,6 +3,7 @@
 #pragma once
 
 #include <stdbool.h>
+#include <stdio.h>
 
 #include "base/sandbox.h"
 #include "base/status.h"
@@ -28,8 +29,9 @@ iso_status iso_process_find_named(const char *what, const char *name, char **pat
 typedef struct iso_process_options {
     const char *directory;                      /* working directory, which is the sandbox's folder; NULL: unchanged */
     iso_sandbox_wish sandbox;                   /* with a fresh folder, removed afterwards, if directory is NULL */
-    void (*line)(void *user, const char *line); /* each line of stdout and stderr; may be NULL */
+    void (*line)(void *user, const char *line); /* 1023 bytes of each line of stdout and stderr; may be NULL */
     void *user;
+    FILE *output; /* gets all that line() gets, whole; may be NULL */
     double timeout_seconds; /* the limit of iso_process_set_limit(), if that is less or this is 0 */
     iso_process_outcome *outcome; /* filled if the program ended; may be NULL */
 } iso_process_options;

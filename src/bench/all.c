@@ -34,17 +34,6 @@ typedef struct all_bench {
 
 /* ---- one command ---- */
 
-typedef struct text {
-    FILE *to;
-    char *bytes;
-    size_t size;
-} text;
-
-static void take_line(void *user, const char *line)
-{
-    fprintf(((text *)user)->to, "%s\n", line);
-}
-
 /* Splits words into argv (cuts words up) and appends threads; threads "": the command's own default. */
 static void split(char *words, const char *program, const char *threads, const char *argv[MOST_WORDS])
 {
@@ -65,29 +54,29 @@ static iso_status run_json_command(const all_bench *b, const char *program, cons
 {
     const char *argv[MOST_WORDS];
     char *words = strdup(command), threads[32] = "";
-    text out = {0};
+    char *bytes = NULL;
+    size_t size = 0;
     iso_process_outcome took = {0};
-    out.to = open_memstream(&out.bytes, &out.size);
+    FILE *output = open_memstream(&bytes, &size);
     const iso_process_options options = {.directory = b->folder,
                                          .sandbox = {.kind = ISO_SANDBOX_NONE},
-                                         .line = take_line,
-                                         .user = &out,
+                                         .output = output,
                                          .outcome = &took};
     iso_status status = ISO_OK;
     if (b->cli->threads > 0)
         snprintf(threads, sizeof threads, "--threads=%d", b->cli->threads);
-    if (words && out.to) {
+    if (words && output) {
         split(words, program, threads, argv);
         status = iso_process_run(argv, &options, err);
     }
-    if (!words || !out.to || fclose(out.to) != 0)
+    if (!words || !output || fclose(output) != 0)
         status = iso_fail(err, ISO_E_MEMORY, "out of memory");
-    TRY(status, iso_json_parse(command, out.bytes, out.size, answer, err));
+    TRY(status, iso_json_parse(command, bytes, size, answer, err));
     if (status == ISO_OK)
         json_object_set_new(*answer, "process",
                             json_pack("{s:f, s:f, s:f}", "seconds", took.seconds, "processor_seconds",
                                       took.processor_seconds, "peak_bytes", took.peak_bytes));
-    free(out.bytes);
+    free(bytes);
     free(words);
     return status;
 }
