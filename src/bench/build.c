@@ -127,7 +127,7 @@ static iso_status run_cascade(const iso_volume *v, const iso_pyramid_options *op
     const iso_planes planes = {v->data, v->type, {n[0], n[1], n[2]}, 0, n[2], false};
     iso_cascade *c;
     const double start = iso_clock_seconds(), processor_start = iso_cpu_seconds();
-    iso_status status = iso_cascade_create(&v->geometry, v->type, opt, iso_cascade_scale(&v->geometry, 65535), &c, err);
+    iso_status status = iso_cascade_create(&v->geometry, opt, iso_cascade_scale(&v->geometry, 65535), &c, err);
     TRY(status, iso_cascade_feed(c, &planes, 0, n[2], out, err));
     iso_cascade_destroy(c);
     *seconds = fmin(*seconds, iso_clock_seconds() - start);

@@ -26,8 +26,8 @@ static const iso_names action_names = ISO_NAMES_OF_NAMES("action", actions);
 static const iso_option options[] = {
     {"output", 'o', "file to write", "FILE", ISO_IN(iso_tf_arguments, output)},
     ISO_OPTIONS_OF(iso_tf_arguments, look, iso_look_rows),
-    {"level", 0, "adapt, bound: only this level (adapt: all, as NAME_level_K.tf.json)", "K", ISO_IN(iso_tf_arguments, level),
-     .most = 30},
+    {"level", 0, "adapt, bound: only this level (adapt: all, as NAME_level_K.tf.json)", "K",
+     ISO_IN(iso_tf_arguments, level), .most = 30},
     {"levels", 0, "adapt, bound: number of levels of a volume", "N", ISO_IN(iso_tf_arguments, level_count),
      .flags = ISO_SHOWN, .least = 2, .most = 30},
     {"optimize", 0, "adapt: by rendering too, kept if nearer to level 0", NULL, ISO_IN(iso_tf_arguments, optimize)},

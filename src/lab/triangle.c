@@ -59,8 +59,7 @@ static iso_status write_triangle(FILE *gp, void *user, iso_error *err)
     fprintf(gp, "\nset title title . ', level %d' noenhanced\n$data << EOD\n", t->level);
     for (int i = 0; i <= STEPS; ++i)
         for (int j = 0; i + j <= STEPS; ++j)
-            fprintf(gp, "%.4f %.4f %.9g\n", (i + 0.5 * j) / STEPS, 0.8660254 * j / STEPS,
-                    t->rms[i][j]);
+            fprintf(gp, "%.4f %.4f %.9g\n", (i + 0.5 * j) / STEPS, 0.8660254 * j / STEPS, t->rms[i][j]);
     fputs("EOD\nplot $data using 1:2:3 with points pt 7 ps 2.2 palette\n", gp);
     return ISO_OK;
 }
@@ -74,9 +73,9 @@ static void print_triangle(const triangle *t)
             if (t->rms[i][j] < least)
                 least = t->rms[i][j], least_s = (double)i / STEPS, least_t = (double)j / STEPS;
     if (t->cli->json)
-        iso_cli_print_results(t->cli,
-                              json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "rms_gauss", gauss, "rms_constant", constant,
-                                        "rms_triangle", triangular, "rms_least", least, "least_s", least_s, "least_t", least_t));
+        iso_cli_print_results(t->cli, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "rms_gauss", gauss, "rms_constant",
+                                                constant, "rms_triangle", triangular, "rms_least", least, "least_s",
+                                                least_s, "least_t", least_t));
     else
         printf(
             "RMS error at the voxels: Gaussian %.6f, constant %.6f, triangular %.6f; least %.6f at s = %.2f, t = %.2f\n",

@@ -66,7 +66,7 @@ iso_status iso_agreement_choose_for(const iso_planes *planes, const iso_geometry
     iso_cascade *cascade = NULL;
     if (opt->direction_filter != ISO_DIRECTION_AUTO)
         return ISO_OK;
-    iso_status status = iso_cascade_create(g, planes->type, &own, scale, &cascade, err);
+    iso_status status = iso_cascade_create(g, &own, scale, &cascade, err);
     const size_t nz = g->size[2], slab = status == ISO_OK ? iso_cascade_step(cascade) * 4 : 1;
     for (size_t z = 0; z < nz && status == ISO_OK; z += slab) {
         iso_progress_report(progress, "directions", (double)z / (double)nz);

@@ -337,10 +337,9 @@ static iso_status check_no_data(const iso_pyramid_options *opt, iso_error *err)
                           iso_gradient_name(opt->gradient.method));
 }
 
-iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_pyramid_options *opt, double scale,
-                              iso_cascade **out, iso_error *err)
+iso_status iso_cascade_create(const iso_geometry *g, const iso_pyramid_options *opt, double scale, iso_cascade **out,
+                              iso_error *err)
 {
-    (void)type;
     iso_status status = ISO_OK;
     *out = NULL;
     if (g->has_no_data && (status = check_no_data(opt, err)) != ISO_OK)

@@ -41,8 +41,8 @@ typedef struct iso_cascade iso_cascade;
 size_t iso_cascade_level_count(const iso_geometry *g, const iso_pyramid_options *opt);
 
 /* Creates a cascade. scale: a power of two that gradients are multiplied by (iso_cascade_scale). */
-iso_status iso_cascade_create(const iso_geometry *g, iso_type type, const iso_pyramid_options *opt, double scale,
-                              iso_cascade **out, iso_error *err);
+iso_status iso_cascade_create(const iso_geometry *g, const iso_pyramid_options *opt, double scale, iso_cascade **out,
+                              iso_error *err);
 void iso_cascade_destroy(iso_cascade *c); /* accepts NULL */
 
 /* Returns a power of two that brings gradients of samples in this range near 1. Their fourth powers then neither

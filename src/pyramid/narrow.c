@@ -104,7 +104,7 @@ static iso_status make_codes(iso_narrow_codes *c, const void *samples, iso_error
     iso_geometry g = c->volume->geometry;
     iso_cascade *cascade;
     memcpy(g.size, size, sizeof g.size);
-    iso_status status = iso_cascade_create(&g, c->volume->type, &c->options, c->scale, &cascade, err);
+    iso_status status = iso_cascade_create(&g, &c->options, c->scale, &cascade, err);
     TRY(status, iso_cascade_feed(cascade, &planes, 0, size[2], &out, err));
     iso_cascade_destroy(cascade);
     return status;
@@ -169,7 +169,7 @@ iso_status iso_box_codes_create(const iso_level *level, iso_code code, double sc
         const size_t most = side + 2 * b->reach;
         g.size[a] = b->size[a] = most < g.size[a] ? most : g.size[a];
     }
-    iso_status status = iso_cascade_create(&g, level->samples->type, &opt, scale, &b->cascade, err);
+    iso_status status = iso_cascade_create(&g, &opt, scale, &b->cascade, err);
     if (status == ISO_OK) {
         b->samples = malloc(iso_type_bytes(level->samples->type) * b->size[0] * b->size[1] * b->size[2]);
         b->scratch = malloc((iso_emit_rows_count(b->cascade) + PLANE_ROWS * (side * side + 32)) * sizeof *b->scratch);

@@ -210,7 +210,7 @@ static iso_status build_levels(const iso_volume *v, double scale, bool narrow, i
     const iso_planes planes = {v->data, v->type, {v->geometry.size[0], v->geometry.size[1], nz}, 0, nz,
                                v->geometry.has_no_data};
     iso_status status = iso_agreement_choose_for(&planes, &g, scale, &p->options, progress, err);
-    TRY(status, iso_cascade_create(&g, v->type, opt, scale, &cascade, err));
+    TRY(status, iso_cascade_create(&g, opt, scale, &cascade, err));
     for (size_t k = 0; k < p->level_count && status == ISO_OK; ++k) {
         iso_level *l = &p->levels[k];
         const iso_type type = k == 0 ? iso_layout_type(v->type) : ISO_F32;

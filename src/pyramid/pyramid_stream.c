@@ -37,7 +37,7 @@ static iso_status set_up(pyramid_build *s, double *scale, const iso_progress *pr
     iso_status status = iso_stream_input_range(s, &range, err);
     *scale = iso_cascade_scale(&s->header.geometry, range);
     TRY(status, iso_stream_choose(s, *scale, progress, err));
-    TRY(status, iso_cascade_create(&s->header.geometry, s->header.type, s->opt, *scale, &s->cascade, err));
+    TRY(status, iso_cascade_create(&s->header.geometry, s->opt, *scale, &s->cascade, err));
     if (status != ISO_OK)
         return status;
     iso_stream_output_describe(&s->out, &s->header.geometry, s->header.type, s->opt);

@@ -180,7 +180,7 @@ iso_status iso_pyramid_verify(const iso_pyramid *p, int threads, iso_level_check
     const iso_planes planes = planes_of(&p->levels[0]);
     TRY(status, iso_agreement_choose_for(&planes, &p->levels[0].geometry, scale, &opt, progress, err));
     r.choice = opt.direction_filter == ISO_DIRECTION_AUTO ? opt.choice : (iso_direction_choice){0};
-    TRY(status, iso_cascade_create(&p->levels[0].geometry, p->levels[0].stored_type, &opt, scale, &r.cascade, err));
+    TRY(status, iso_cascade_create(&p->levels[0].geometry, &opt, scale, &r.cascade, err));
     const size_t slab = status == ISO_OK ? iso_cascade_step(r.cascade) * 4 : 1;
     TRY(status, begin_rebuild(&r, slab, err));
     TRY(status, run(&r, slab, progress, err));

@@ -84,7 +84,7 @@ iso_status iso_stream_choose(pyramid_build *s, double scale, const iso_progress 
         return ISO_OK;
     const iso_pyramid_options opt = iso_agreement_options(s->opt);
     iso_cascade *c = NULL;
-    iso_status status = iso_cascade_create(&s->header.geometry, s->header.type, &opt, scale, &c, err);
+    iso_status status = iso_cascade_create(&s->header.geometry, &opt, scale, &c, err);
     if (status == ISO_OK) {
         const size_t nz = s->header.geometry.size[2], step = iso_cascade_step(c), steps = (nz + step - 1) / step;
         const size_t ranks = (size_t)iso_ranks_count(s->how->ranks), rank = (size_t)iso_ranks_index(s->how->ranks);
