@@ -98,6 +98,14 @@ else
         check "nanovdb_convert_reads_$file" nanovdb_convert -f $file.nvdb $file.back.vdb
         check "the_grids_of_${file}_come_back" "$python" same.py $file.vdb $file.back.vdb $file.nvdb
     done
+    # After the file's head of 385 bytes: the grids as NanoVDB's own conversion makes them, each after a head of its own.
+    for grid in density gradient; do
+        nanovdb_convert -f --checksum full --stats all --grid $grid v.vdb $grid.nvdb
+    done
+    size=$(($(stat -c %s density.nvdb) - 200))
+    same_grid() { cmp -n $size -i "$1" "$2" "$3"; }
+    check density_is_that_of_its_own_conversion same_grid 385:200 v.nvdb density.nvdb
+    check gradient_too cmp -i $((385 + size)):201 v.nvdb gradient.nvdb
     nanovdb_print v.nvdb >print.txt 2>&1
     check names_types_and_classes bash -c "grep -q 'density *float *FOG' print.txt && grep -q 'gradient *Vec3f' print.txt && grep -q 'NONE' print.txt"
     notice another_files_grids "$python" same.py v.vdb b.back.vdb b.nvdb
@@ -109,6 +117,17 @@ else
     cp v.nvdb damaged.nvdb && printf '\377' | dd of=damaged.nvdb bs=1 seek=$(($(stat -c %s v.nvdb) / 2)) conv=notrunc 2>/dev/null
     check a_byte_is_changed bash -c '! cmp -s v.nvdb damaged.nvdb'
     notice a_changed_byte valid damaged.nvdb
+    notice a_changed_byte_of_the_grid cmp -i $((385 + size)):201 damaged.nvdb gradient.nvdb
+fi
+
+# Leaves are not kept: the memory is that of --to vdb, where each of the 2 million voxels takes 16 bytes in the file.
+if has_peak; then
+    "$ISOSHADE" make shells --size 128 --type uint8 -q -o large.nrrd
+    less=$(peak "$ISOSHADE" export large.nrrd --to vdb --dense -q -o large.vdb)
+    holds leaves_are_not_kept "$(peak "$ISOSHADE" export large.nrrd --to nanovdb --dense -q -o large.nvdb) - $less < 8192"
+    holds their_bytes_would_be_seen "$(stat -c %s large.nvdb) > 4 * 8192 * 1024"
+else
+    skip leaves_are_not_kept "no /usr/bin/time, or a build with sanitizers, whose memory is another"
 fi
 
 refuse half_floats 2 "--half cannot be used with --to nanovdb" one --to nanovdb --half -o x.nvdb

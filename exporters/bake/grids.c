@@ -171,7 +171,8 @@ iso_status iso_bake_save(const iso_baked *b, const iso_bake_request *r, int leve
                                 .made_from = iso_provenance_name(made_from),
                                 .values = b->level->is_optimized ? ISO_OPTIMIZED_VALUES : "",
                                 .convention = r->convention,
-                                .half_float = r->half};
+                                .half_float = r->half,
+                                .nanovdb = r->nanovdb};
     iso_status status = iso_vdb_save_fields(&all, path, progress, err);
     return status == ISO_OK && r->usd ? save_usda(b, r, path, err) : status;
 }

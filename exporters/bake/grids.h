@@ -39,7 +39,7 @@ typedef struct iso_bake_request {
     iso_vdb_convention convention;
     bool unit_is_asked; /* True if set by --scene-unit; if false, another unit may replace it for voxels that OpenVDB
                          * cannot hold */
-    bool half, usd;
+    bool half, usd, nanovdb; /* nanovdb: write a NanoVDB file */
     const iso_grid_program *program; /* or NULL */
     size_t error_pixels;             /* for bake_error.h */
 } iso_bake_request;

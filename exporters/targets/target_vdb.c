@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* target_vdb.c - levels, or the bricks of a plan, as grids of one OpenVDB file. */
+/* target_vdb.c - levels, or the bricks of a plan, as grids of one OpenVDB or NanoVDB file. */
 #include <stdlib.h>
 
 #include "targets/targets.h"
@@ -71,6 +71,7 @@ static iso_status target_vdb_baked(const iso_export_job *job, iso_error *err)
     OWNED(iso_baked) baked = {0};
     OWNED(iso_view) view = {0};
     o.threads = job->threads;
+    r->nanovdb = job->nanovdb;
     NEED(job->view_of_level(job, job->level, &view, err));
     NEED(
         iso_bake(&job->pyramid->levels[job->level], job->pyramid->options.code, &view, &o, &baked, job->progress, err));
@@ -90,7 +91,7 @@ static iso_status target_vdb_baked(const iso_export_job *job, iso_error *err)
 
 static iso_status write_planned(const iso_export_job *job, iso_vdb_options *o, iso_error *err)
 {
-    o->half_directions = !job->float_directions;
+    o->half_directions = !job->nanovdb;
     OWNED(iso_planned_lattices) lattices = {0};
     NEED(iso_planned_lattices_create(job->planned, job->merged, false, job->threads, &lattices, err));
     return iso_vdb_save_lattices(lattices.items, lattices.count, job->pyramid->source, job->output, o, job->progress,
@@ -125,6 +126,7 @@ static iso_status write_vdb(const iso_export_job *job, iso_error *err)
         return target_vdb_baked(job, err);
     iso_vdb_options o = iso_vdb_defaults();
     o.half_float = job->half_float;
+    o.nanovdb = job->nanovdb;
     o.unit = job->pyramid->unit.name;
     o.command = job->command;
     o.threads = job->threads;
@@ -136,7 +138,7 @@ static iso_status write_vdb(const iso_export_job *job, iso_error *err)
     if (status == ISO_OK) {
         const bool sparse = (job->is_shown || job->background) && !job->dense;
         o.shown = sparse ? l->shown : NULL;
-        o.half_directions = sparse && !job->float_directions;
+        o.half_directions = sparse && !job->nanovdb;
         const bool has_shares = job->pyramid->levels[0].geometry.has_no_data; /* each level adds its own */
         for (size_t k = 0; k < job->level_count && !o.extinction_scale && !has_shares; ++k)
             o.extinction_scale = l->views[k].extinction_scale; /* refused if there are more levels */

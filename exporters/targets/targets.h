@@ -66,7 +66,7 @@ typedef struct iso_export_job {
     bool merged;                /* True if a plan is written as one grid, otherwise one per level */
     double step_voxels;         /* 0: the scene's */
     bool half_float;
-    bool float_directions;        /* True if directions are not to be stored in half floats */
+    bool nanovdb;                 /* for the target vdb: True to write a NanoVDB file */
     iso_bake_options lattice;     /* for targets with ISO_EXPORT_LATTICE; points 0: default */
     const iso_bake_request *bake; /* for targets that bake: requested grids, or NULL; with it `view` is the scene's */
     bool physical;                /* True if the file opens with the physical material (exporters/blender/blender.h) */

@@ -125,6 +125,8 @@ static iso_status add(const fields_file *to, const iso_vdb_fields *f, size_t i, 
 iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const iso_progress *progress, iso_error *err)
 {
     ENDED_BY(iso_output_abandon) iso_output out = {0};
+    const char *stage = f->nanovdb ? "NanoVDB grids" : "OpenVDB grids";
+    const iso_openvdb_form form = f->nanovdb ? ISO_OPENVDB_NANO : ISO_OPENVDB_PLAIN;
     NEED(check_size(f, path, err));
     const iso_openvdb *openvdb = iso_vdb_library(path, err);
     iso_status status = openvdb ? iso_output_begin(&out, path, err) : ISO_E_MISSING;
@@ -134,16 +136,16 @@ iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const 
     if (!to.file)
         status = iso_fail(err, ISO_E_MEMORY, "%s: OpenVDB cannot be started", path);
     for (size_t i = 0; i < f->count && status == ISO_OK; ++i) {
-        iso_progress_report(progress, "OpenVDB grids", (double)i / (double)(f->count + 1));
+        iso_progress_report(progress, stage, (double)i / (double)(f->count + 1));
         status = iso_progress_check(progress, err);
         TRY(status, add(&to, f, i, err));
     }
     TRY(status, note(&to, f, err));
     iso_vdb_message message = {""};
-    if (status == ISO_OK && openvdb->write(to.file, out.temp_path, false, &message) != ISO_OPENVDB_OK)
+    if (status == ISO_OK && openvdb->write(to.file, out.temp_path, form, &message) != ISO_OPENVDB_OK)
         status = iso_fail(err, ISO_E_IO, "%s: OpenVDB: %s", path, message.text);
     openvdb->destroy(to.file);
     TRY(status, iso_output_commit(&out, err));
-    iso_progress_report(progress, "OpenVDB grids", 1);
+    iso_progress_report(progress, stage, 1);
     return status;
 }

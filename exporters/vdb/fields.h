@@ -55,7 +55,8 @@ typedef struct iso_vdb_fields {
     const char *values;    /* note on the level's values; "" if they are data */
     iso_vdb_convention convention;
     bool half_float;
-    int threads; /* 0: all cores */
+    bool nanovdb; /* write a NanoVDB file (vdb.h) */
+    int threads;  /* 0: all cores */
 } iso_vdb_fields;
 
 /* Saves all grids to one file: class fog volume, background 0, inactive voxels left out, the convention in the

@@ -163,7 +163,10 @@ static iso_status add(const iso_vdb_job *job, const save_job *what, size_t i, is
 static iso_status write(const iso_vdb_job *job, const char *path, iso_error *err)
 {
     iso_vdb_message message = {""};
-    const int code = job->openvdb->write(job->file, path, job->opt->half_directions, &message);
+    const iso_openvdb_form form = job->opt->nanovdb           ? ISO_OPENVDB_NANO
+                                  : job->opt->half_directions ? ISO_OPENVDB_SMALL
+                                                              : ISO_OPENVDB_PLAIN;
+    const int code = job->openvdb->write(job->file, path, form, &message);
     return code == ISO_OPENVDB_OK ? ISO_OK : iso_vdb_fail(code, job->path, &message, err);
 }
 
@@ -175,6 +178,7 @@ static iso_status save(const save_job *what, const char *path, const iso_vdb_opt
     iso_status status = openvdb ? iso_output_begin(&out, path, err) : ISO_E_MISSING;
     if (status != ISO_OK)
         return status;
+    const char *stage = opt->nanovdb ? "NanoVDB grids" : "OpenVDB grids";
     const iso_vdb_job job = {openvdb, openvdb->create(), path, opt, what->count == 1};
     iso_vdb_grids *grids = calloc(what->count, sizeof *grids);
     if (!job.file || !grids)
@@ -184,11 +188,11 @@ static iso_status save(const save_job *what, const char *path, const iso_vdb_opt
                   what->pyramid ? &what->pyramid->levels[what->first].geometry : &what->lattices[0].geometry, err));
     TRY(status, note_optimized(&job, what, err));
     for (size_t i = 0; i < what->count && status == ISO_OK; ++i) {
-        iso_progress_report(progress, "OpenVDB grids", (double)i / (double)(2 * what->count));
+        iso_progress_report(progress, stage, (double)i / (double)(2 * what->count));
         status = iso_progress_check(progress, err);
         TRY(status, add(&job, what, i, &grids[i], err));
     }
-    iso_progress_report(progress, "OpenVDB grids", 0.5);
+    iso_progress_report(progress, stage, 0.5);
     TRY(status, iso_progress_check(progress, err));
     TRY(status, write(&job, out.temp_path, err));
     openvdb->destroy(job.file);
@@ -196,8 +200,20 @@ static iso_status save(const save_job *what, const char *path, const iso_vdb_opt
         iso_vdb_grids_destroy(&grids[i]);
     free(grids);
     TRY(status, iso_output_commit(&out, err));
-    iso_progress_report(progress, "OpenVDB grids", 1);
+    iso_progress_report(progress, stage, 1);
     return status;
+}
+
+iso_status iso_vdb_find_nanovdb(const char *path, const char **version, iso_error *err)
+{
+    const iso_openvdb *openvdb = iso_vdb_library(path, err);
+    if (!openvdb)
+        return ISO_E_MISSING;
+    *version = openvdb->nanovdb_version();
+    if (*version)
+        return ISO_OK;
+    return iso_fail(err, ISO_E_MISSING,
+                    "%s: isoshade was built without NanoVDB (on Debian: libnanovdb-dev, then make clean all)", path);
 }
 
 bool iso_vdb_is_ours(const char *path)

@@ -54,6 +54,7 @@ typedef struct iso_vdb_shown {
 typedef struct iso_vdb_options {
     bool half_float;      /* all grids as half floats, with loss of precision */
     bool half_directions; /* only the gradient grid as half floats: see above */
+    bool nanovdb;         /* write a NanoVDB file; without half_directions, whose scale it cannot note */
     bool gradient;        /* write the gradient grid */
     const uint8_t *tf_2d; /* of one level, one byte per voxel: adds a float grid "second_value" of byte / 255; or
                            * NULL */
@@ -74,6 +75,11 @@ typedef struct iso_vdb_options {
     const char *unit; /* preferred unit for such voxels, that of the volume file; or NULL */
 } iso_vdb_options;
 iso_vdb_options iso_vdb_defaults(void);
+
+/* Finds the version of NanoVDB's files, e.g. "32.4.2". path: for the message. ISO_E_MISSING: isoshade was built without
+ * NanoVDB. */
+iso_status iso_vdb_find_nanovdb(const char *path, const char **version, iso_error *err);
+
 /* Chooses the unit of a file for a voxel size in mm: mm if it suits, otherwise `preferred` or another named unit
  * of unit.h, or a power of ten of mm, named "". preferred may be NULL. */
 const char *iso_vdb_choose_unit(double voxel_mm, const char *preferred, double *mm);

@@ -6,7 +6,7 @@
  *   vdb_sparse.c     active voxels of a level
  *   vdb_library.c    loads isoshade_openvdb.so, which contains:
  *   vdb_openvdb.cc   OpenVDB; vdb_tree.h: grids that are never complete in memory, vdb_leaves.h: written by several threads
- *   vdb_nanovdb.cc   NanoVDB, by its own conversion of OpenVDB grids (nanovdb.h); vdb_guarded.h: exceptions end here */
+ *   vdb_nanovdb.cc   NanoVDB, from the same grids; vdb_guarded.h: exceptions end here */
 #pragma once
 
 #include "pyramid/narrow.h"

@@ -52,6 +52,27 @@ inline void take(const float *v, openvdb::Vec3f &out)
     out = openvdb::Vec3f(v[0], v[1], v[2]);
 }
 
+/* Reads the active values of a leaf in the file's order; returns their number. Voxels of a leaf are stored along z first,
+ * then y: a word of the mask is a plane across x. */
+template <typename Leaf>
+size_t read_active(const iso_vdb_source &s, const Leaf &leaf, typename Leaf::ValueType values[Leaf::SIZE])
+{
+    const auto &active = leaf.getValueMask();
+    const openvdb::Coord at = leaf.origin();
+    float rows[64][24];
+    uint64_t any = 0;
+    for (openvdb::Index x = 0; x < 8; ++x)
+        any |= active.template getWord<uint64_t>(x);
+    for (int i = 0; i < 64; ++i)
+        if (any >> i & 1)
+            read_row(s, at.x() - s.first[0], at.y() + i / 8 - s.first[1], at.z() + i % 8 - s.first[2], rows[i]);
+    size_t count = 0;
+    for (openvdb::Index x = 0; x < 8; ++x)
+        for (uint64_t left = active.template getWord<uint64_t>(x); left; left &= left - 1)
+            take(rows[openvdb::util::FindLowestOn(left)] + x * static_cast<unsigned>(s.channels), values[count++]);
+    return count;
+}
+
 /* Compresses pieces with one reusable zlib state. */
 class deflater {
 public:
@@ -120,9 +141,9 @@ public:
     }
 
     /* All inactive voxels are background, so a leaf is its mask, a byte for this rule, and its active values. */
-    void write(const Leaf &leaf)
+    void write(const Leaf &leaf, size_t)
     {
-        const size_t count = read_active(leaf);
+        const size_t count = read_active(source_, leaf, values_);
         leaf.getValueMask().save(out_);
         out_.put(static_cast<char>(openvdb::io::NO_MASK_OR_INACTIVE_VALS));
         if (to_half_) {
@@ -134,26 +155,6 @@ public:
     }
 
 private:
-    /* Voxels of a leaf are stored along z first, then y: a word of the mask is a plane across x. */
-    size_t read_active(const Leaf &leaf)
-    {
-        const iso_vdb_source &s = source_;
-        const auto &active = leaf.getValueMask();
-        const openvdb::Coord at = leaf.origin();
-        float rows[64][24];
-        uint64_t any = 0;
-        for (openvdb::Index x = 0; x < 8; ++x)
-            any |= active.template getWord<uint64_t>(x);
-        for (int i = 0; i < 64; ++i)
-            if (any >> i & 1)
-                read_row(s, at.x() - s.first[0], at.y() + i / 8 - s.first[1], at.z() + i % 8 - s.first[2], rows[i]);
-        size_t count = 0;
-        for (openvdb::Index x = 0; x < 8; ++x)
-            for (uint64_t left = active.template getWord<uint64_t>(x); left; left &= left - 1)
-                take(rows[openvdb::util::FindLowestOn(left)] + x * static_cast<unsigned>(s.channels), values_[count++]);
-        return count;
-    }
-
     template <typename T> void write_values(const T *values, size_t count)
     {
         const char *bytes = reinterpret_cast<const char *>(values);
@@ -246,22 +247,22 @@ template <typename Leaf> struct leaf_run {
     size_t count;
 };
 
-template <typename Leaf>
-void write_run(std::ostream &out, const leaf_run<Leaf> &leaves, const iso_vdb_source &source, bool to_half)
+/* Writes leaves; make_writer: makes a thread's writer, which takes a leaf and its number in the run. */
+template <typename Leaf, typename Make>
+void write_run(std::ostream &out, const leaf_run<Leaf> &leaves, const iso_vdb_source &source, const Make &make_writer)
 {
     const size_t piece = 32; /* leaves per piece */
     const size_t pieces = (leaves.count + piece - 1) / piece;
-    const uint32_t compression = openvdb::io::getDataCompression(out);
     ordered_output ordered(out, 4 * static_cast<size_t>(source.threads));
 #pragma omp parallel num_threads(source.threads)
     {
-        leaf_writer<Leaf> writer(source, compression, to_half);
+        auto writer = make_writer();
 #pragma omp for schedule(dynamic)
         for (size_t number = 0; number < pieces; ++number)
             ordered.piece(number, [&] {
                 const size_t first = number * piece;
                 for (size_t i = first; i < std::min(first + piece, leaves.count); ++i)
-                    writer.write(*leaves.at[i]);
+                    writer.write(*leaves.at[i], i);
                 return writer.take_bytes();
             });
     }
@@ -275,9 +276,11 @@ template <typename Leaf> openvdb::Coord node_of(const Leaf &leaf)
     return leaf.origin() & ~(voxels - 1);
 }
 
-/* Prepares the voxels that leaves are read from; edge voxels for those outside. */
+/* Prepares the voxels that leaves are read from, if the source requires it; edge voxels for those outside. */
 template <typename Leaf> void prepare_run(const leaf_run<Leaf> &leaves, const iso_vdb_source &s)
 {
+    if (!s.prepare)
+        return;
     openvdb::Coord lo = leaves.at[0]->origin(), hi = lo;
     size_t first[3], end[3];
     for (size_t i = 1; i < leaves.count; ++i) {
@@ -297,14 +300,14 @@ template <typename Leaf>
 void write_leaves(std::ostream &out, const std::vector<const Leaf *> &leaves, const iso_vdb_source &source,
                   bool to_half)
 {
+    const uint32_t compression = openvdb::io::getDataCompression(out);
     for (size_t first = 0, end = 0; first < leaves.size(); first = end) {
         const openvdb::Coord node = node_of(*leaves[first]);
         while (end < leaves.size() && (!source.prepare || node_of(*leaves[end]) == node))
             ++end;
         const leaf_run<Leaf> run = {leaves.data() + first, end - first};
-        if (source.prepare)
-            prepare_run(run, source);
-        write_run(out, run, source, to_half);
+        prepare_run(run, source);
+        write_run(out, run, source, [&] { return leaf_writer<Leaf>(source, compression, to_half); });
     }
 }
 

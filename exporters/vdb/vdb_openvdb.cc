@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
-#include <list>
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/File.h>
@@ -189,12 +188,6 @@ void read_info(const openvdb::GridBase &grid, const size_t size[3], iso_vdb_grid
 
 } // namespace
 
-struct iso_vdb_file {
-    std::list<iso_vdb_source> sources;
-    openvdb::GridCPtrVec grids;
-    openvdb::MetaMap about;
-};
-
 static iso_vdb_file *create_file()
 {
     iso_vdb_file *file = nullptr;
@@ -210,7 +203,7 @@ static iso_vdb_file *create_file()
 static int add_grid(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message)
 {
     return guarded(message, [&] {
-        file->sources.push_back(*source); /* must not move: the leaves read from it */
+        file->sources.push_back(*source);
         const iso_vdb_source &own = file->sources.back();
         file->grids.push_back(own.channels == 3 ? build<openvdb::Vec3f>(own) : build<float>(own));
         return static_cast<int>(ISO_OPENVDB_OK);
@@ -225,7 +218,7 @@ static int note_text(iso_vdb_file *file, const char *key, const char *text, iso_
     });
 }
 
-static int write_file(const iso_vdb_file *file, const char *path, bool small, iso_vdb_message *message)
+static int write_file(const iso_vdb_file *file, const char *path, iso_openvdb_form form, iso_vdb_message *message)
 {
     return guarded(message, [&] {
         checked_places buffer;
@@ -233,7 +226,10 @@ static int write_file(const iso_vdb_file *file, const char *path, bool small, is
             throw std::ios::failure("the file cannot be opened");
         std::ostream out(&buffer);
         out.exceptions(std::ios::failbit | std::ios::badbit);
-        archive().save(out, file->grids, file->about, small);
+        if (form == ISO_OPENVDB_NANO)
+            iso_vdb::write_nanovdb(out, *file);
+        else
+            archive().save(out, file->grids, file->about, form == ISO_OPENVDB_SMALL);
         if (!buffer.close() || buffer.failed)
             throw std::ios::failure("the file cannot be written");
         return static_cast<int>(ISO_OPENVDB_OK);
@@ -290,5 +286,5 @@ static int measure(const char *path, size_t *active_voxels, size_t *memory_bytes
 }
 
 extern "C" const iso_openvdb iso_openvdb_functions; /* a C++ constant is local to its file without extern */
-const iso_openvdb iso_openvdb_functions = {create_file, add_grid, note_text, write_file,          destroy_file,
-                                           read_grid,   measure,  iso_vdb::to_nanovdb, iso_vdb::nanovdb_version};
+const iso_openvdb iso_openvdb_functions = {create_file,  add_grid,  note_text, write_file,
+                                           destroy_file, read_grid, measure,   iso_vdb::nanovdb_version};

@@ -17,6 +17,9 @@ extern "C" {
 
 enum { ISO_OPENVDB_OK, ISO_OPENVDB_IO, ISO_OPENVDB_NO_GRID, ISO_OPENVDB_MEMORY, ISO_OPENVDB_FAILED };
 
+/* Forms of a file; small: OpenVDB's smallest, at several times the time. */
+typedef enum iso_openvdb_form { ISO_OPENVDB_PLAIN, ISO_OPENVDB_SMALL, ISO_OPENVDB_NANO } iso_openvdb_form;
+
 typedef struct iso_vdb_message {
     char text[512];
 } iso_vdb_message;
@@ -74,16 +77,13 @@ typedef struct iso_openvdb {
     int (*add)(iso_vdb_file *file, const iso_vdb_source *source, iso_vdb_message *message);
     /* Adds an entry to the file's metadata. */
     int (*note)(iso_vdb_file *file, const char *key, const char *text, iso_vdb_message *message);
-    /* small: smallest file, at several times the time. */
-    int (*write)(const iso_vdb_file *file, const char *path, bool small, iso_vdb_message *message);
+    int (*write)(const iso_vdb_file *file, const char *path, iso_openvdb_form form, iso_vdb_message *message);
     void (*destroy)(iso_vdb_file *file); /* accepts NULL */
     int (*read)(const char *path, const char *grid, int channels, const size_t size[3], float *out,
                 iso_vdb_grid_info *info, iso_vdb_message *message);
     /* Reads all grids of a file; sums the active voxels and the bytes of the trees, by OpenVDB's count. */
     int (*measure)(const char *path, size_t *active_voxels, size_t *memory_bytes, iso_vdb_message *message);
-    /* Converts all grids of a file to a NanoVDB file (nanovdb.h). The version is NULL if built without its headers. */
-    int (*to_nanovdb)(const char *vdb_path, const char *path, iso_vdb_message *message);
-    const char *(*nanovdb_version)(void);
+    const char *(*nanovdb_version)(void); /* NULL: built without NanoVDB's headers */
 } iso_openvdb;
 
 #ifdef __cplusplus

@@ -7,6 +7,7 @@
  * For writing only: values cannot be queried. Private to exporters/vdb. */
 #pragma once
 
+#include <list>
 #include <memory>
 #include <vector>
 
@@ -96,3 +97,10 @@ private:
 };
 
 } // namespace iso_vdb
+
+/* A file to be written: its grids and, in the same order, the sources of their values, which must not move. */
+struct iso_vdb_file {
+    std::list<iso_vdb_source> sources;
+    openvdb::GridCPtrVec grids;
+    openvdb::MetaMap about;
+};
