@@ -57,6 +57,22 @@ else
     skip the_process_keeps_to_it "no /usr/bin/time, or a build with sanitizers, whose memory is another"
 fi
 
+# Without --memory the free memory decides, here that of `ulimit -d`: a level that it does not hold is refused, and coarse
+# ones are made without it.
+if has_peak; then
+    "$ISOSHADE" make shells --size 256x256x128 --type uint8 -o large.nrrd -q || exit 1
+    large() { "$ISOSHADE" render large.nrrd --scene "$scene" --size 24 "$@" -q; }
+    little() { (ulimit -d 64000 && large "$@"); }
+    refuse what_does_not_fit_is_refused 6 "free; take --with cpu, a coarser --level" little --with reference -o no.exr
+    check what_is_made_on_demand_fits little --with cpu -o little_0.exr
+    check a_coarse_level_too little --with cpu --level 2 -o little_2.exr
+    refuse but_not_all_levels 6 memory little --with cpu --level 2 --adapt -o no.exr
+    large --with cpu -o large_0.exr >/dev/null && large --with cpu --level 2 -o large_2.exr >/dev/null || exit 1
+    check the_same_picture equal little_0.exr large_0.exr
+    check and_the_same_of_the_coarse_level equal little_2.exr large_2.exr
+    notice which_is_another equal large_0.exr large_2.exr
+fi
+
 refuse too_little_says_what_is_needed 5 "this picture needs" "$ISOSHADE" render n.iso --scene "$scene" --size 72x40 --memory 1 -o no.exr
 needed='s/.*needs \([0-9.]*\) MB: \([0-9.]*\) for empty space, \([0-9.]*\) for rays and the image, \([0-9.]*\) for 64 pages$/\1 - \2 - \3 - \4/p'
 holds its_parts_are_the_sum "($(sed -n "$needed" err)) ^ 2 < 1e-6"

@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <malloc.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -163,6 +164,40 @@ TEST(few_samples_are_in_memory)
     iso_large_free(p);
 }
 
+static double data_bytes(void)
+{
+    FILE *file = fopen("/proc/self/status", "r");
+    char line[256];
+    double kilobytes = 0;
+    while (file && fgets(line, sizeof line, file) && sscanf(line, "VmData: %lf", &kilobytes) != 1)
+        ;
+    if (file)
+        fclose(file);
+    return 1024 * kilobytes;
+}
+
+/* `ulimit -d`: samples of more than half of what it leaves are on disk; the planted allocator has no room for them. */
+TEST(many_samples_keep_to_the_limit_of_the_process)
+{
+    const size_t bytes = 80 * (size_t)MIB;
+    struct rlimit whole, small;
+#ifdef __SANITIZE_ADDRESS__
+    skip(); /* its allocator ends the program */
+#endif
+    assert_true(getrlimit(RLIMIT_DATA, &whole) == 0);
+    small = whole;
+    small.rlim_cur = (rlim_t)(data_bytes() + (double)bytes / 2);
+    if (setrlimit(RLIMIT_DATA, &small) != 0)
+        skip();
+    unsigned char *p = iso_large_samples(bytes);
+    const bool planted = !calloc(bytes, 1);
+    assert_true(setrlimit(RLIMIT_DATA, &whole) == 0);
+    assert_non_null(p);
+    assert_non_null(strstr(file_of(p), "(deleted)"));
+    assert_true(planted);
+    iso_large_free(p);
+}
+
 static void write_text(const char *root, const char *path, const char *text)
 {
     char whole[4096];
@@ -200,6 +235,14 @@ TEST(free_memory_is_that_of_the_machine_or_of_its_control_group)
     assert_true(iso_machine_free_bytes(root) == 0);
     write_text(root, "sys/fs/cgroup/memory/memory.stat", "inactive_file 1\ntotal_inactive_file 800000\n");
     assert_true(iso_machine_free_bytes(root) == 300000);
+    /* The limit of the process. */
+    write_text(root, "proc/self/status", "VmPeak:\t  9000 kB\nVmData:\t     200 kB\n");
+    write_text(root, "proc/self/limits", "Max data size             unlimited            unlimited            bytes\n");
+    assert_true(iso_machine_free_bytes(root) == 300000);
+    write_text(root, "proc/self/limits", "Max data size             409600               unlimited            bytes\n");
+    assert_true(iso_machine_free_bytes(root) == 409600 - 200 * 1024);
+    write_text(root, "proc/self/limits", "Max data size             204799               unlimited            bytes\n");
+    assert_true(iso_machine_free_bytes(root) == 0);
     iso_remove_tree(root);
 }
 

@@ -105,7 +105,16 @@ static double left_in_groups(const char *root)
     return left;
 }
 
+/* Returns what the process's own limit, `ulimit -d`, leaves. */
+static double left_of_limit(const char *root)
+{
+    const double most = number_in(root, "/proc/self", "limits", "Max data size"),
+                 used = 1024 * number_in(root, "/proc/self", "status", "VmData:");
+    return isfinite(most) ? fmax(most - used, 0) : INFINITY;
+}
+
 double iso_machine_free_bytes(const char *root)
 {
-    return fmin(1024 * number_in(root, "/proc", "meminfo", "MemAvailable:"), left_in_groups(root));
+    return fmin(fmin(1024 * number_in(root, "/proc", "meminfo", "MemAvailable:"), left_in_groups(root)),
+                left_of_limit(root));
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/machine.h"
 #include "base/parallel.h"
 #include "cli/cycles_options.h"
 #include "cli/render.h"
@@ -16,6 +17,7 @@
 #include "pyramid/narrow.h"
 #include "pyramid/palette_level.h"
 #include "renderers/external.h"
+#include "render/cpu/caster.h"
 #include "renderers/gl.h"
 #include "scene/subject_frames.h"
 #include "scene/viewpoint.h"
@@ -170,14 +172,58 @@ static bool may_need_a_part(const iso_render_arguments *a, const char *path, con
            !a->adapted.tf_2d && !iso_render_is_in_bricks(a);
 }
 
+/* True if the picture needs no level finer than its own, as far as the options decide. */
+static bool needs_its_level_alone(const iso_render_arguments *a)
+{
+    return a->level > 0 && !a->roi.box && !a->adapted.wanted && !a->adapted.extinction_scale && !a->adapted.tf_2d;
+}
+
+/* Bytes per voxel of level 0 while a pyramid is built: floats, codes, samples and coarser levels. */
+#define BUILT_BYTES 12.0
+
+/* Loads the pyramid; of one that the free memory does not hold, only the level of the picture and coarser ones. */
+static iso_status load_level(const iso_render_arguments *a, const char *path, const iso_pyramid_options *build,
+                             const iso_progress *progress, iso_pyramid *p, iso_error *err)
+{
+    OWNED(iso_pyramid) outline = {0};
+    OWNED(iso_subject_coarse) coarse = {0};
+    NEED(iso_subject_load_coarse(path, &a->input, build, iso_machine_free_bytes("") / BUILT_BYTES, progress, p, &coarse,
+                                 err));
+    if (!coarse.folder)
+        return ISO_OK;
+    outline = *p;
+    *p = (iso_pyramid){0};
+    NEED(iso_pyramid_check_level(&outline, NULL, (size_t)a->level, err));
+    return iso_pyramid_load_from(coarse.folder, (size_t)a->level, p, err);
+}
+
 static iso_status load_subject(const iso_render_arguments *a, const iso_cli *cli, const frame_of_series *of,
                                const iso_pyramid_options *build, bool part, iso_pyramid *p, iso_error *err)
 {
     const iso_progress progress = iso_cli_progress(cli);
     if (of->series)
         return iso_subject_frames_load(of->series, of->frame, p, err);
+    if (needs_its_level_alone(a))
+        return load_level(a, cli->arguments[0], build, &progress, p, err);
     return (part ? iso_subject_begin_pyramid : iso_subject_load_pyramid)(cli->arguments[0], &a->input, build, &progress,
                                                                          p, err);
+}
+
+/* Completes level 0 of a pyramid with samples alone, if the free memory holds it: 7 bytes per voxel, and 8 of textures
+ * in software. */
+static iso_status complete(const char *path, const iso_renderer_info *renderer, iso_pyramid *p,
+                           const iso_progress *progress, iso_error *err)
+{
+    const bool cpu_takes_it = iso_cpu_takes(&p->levels[0].geometry);
+    const bool has_textures = renderer == iso_renderers_usual() && iso_gl_is_software();
+    const double needs = (has_textures ? 15 : 7) * (double)iso_geometry_voxel_count(&p->levels[0].geometry),
+                 is_free = iso_machine_free_bytes("");
+    if (p->volume && needs > is_free)
+        return iso_fail(err, ISO_E_MEMORY,
+                        "%s: level 0 needs %.3g GB for --with %s, %.3g GB of memory are free; take %sa coarser "
+                        "--level, or a pyramid (isoshade build) and --memory",
+                        path, needs / 1e9, renderer->name, is_free / 1e9, cpu_takes_it ? "--with cpu, " : "");
+    return iso_pyramid_complete(p, progress, err);
 }
 
 /* ---- coarse pictures first ---- */
@@ -253,7 +299,7 @@ static iso_status render(const iso_render_arguments *a, const iso_cli *cli, cons
     if (!a->with && !a->limit && !a->page_side)
         iso_renderers_choose(pyramid, &view, &opt);
     if (!iso_renderer_has(opt.renderer, ISO_TAKES_A_PART))
-        NEED(iso_pyramid_complete(pyramid, &progress, err));
+        NEED(complete(path, opt.renderer, pyramid, &progress, err));
     NEED(opt.renderer->version(opt.renderer, &renderers, version, sizeof version, err));
     for (size_t shift = 3; shift > 0 && a->progressive; --shift) /* an eighth of rows and columns, a quarter, a half */
         NEED(save_coarse(a, cli, &request, shift, version, err));

@@ -14,7 +14,7 @@ bool iso_cli_warn_visible(const iso_cli *cli, const iso_visible *visible)
 iso_visible iso_cli_warn_view(const iso_cli *cli, const iso_pyramid *p, const iso_view *view, const double *isosurface,
                               bool *warned)
 {
-    const iso_visible v = iso_visible_measure(&p->levels[0], view, isosurface, cli->threads);
+    const iso_visible v = iso_visible_measure(iso_pyramid_finest(p), view, isosurface, cli->threads);
     *warned = iso_cli_warn_visible(cli, &v);
     return v;
 }

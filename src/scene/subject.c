@@ -2,9 +2,11 @@
 #define _GNU_SOURCE
 #include "scene/subject.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/machine.h"
 #include "base/path.h"
 #include "base/temporary.h"
 #include "pyramid/narrow.h"
@@ -73,7 +75,8 @@ static iso_status build_coarse(const iso_subject_file *file, const iso_pyramid_o
     iso_pyramid_options own = *opt;
     size_t labels = 0;
     const iso_stream_input in = {iso_subject_open, (void *)file, file->path};
-    const iso_stream_options how = {.first_level = 1};
+    const iso_stream_options how = {.first_level = 1,
+                                    .memory_bytes = (size_t)fmin(iso_machine_free_bytes("") / 2, 1e15)};
     coarse->temporary = iso_make_temp_dir();
     coarse->folder = coarse->temporary ? iso_path_join(coarse->temporary, "coarse.iso") : NULL;
     if (!coarse->folder)
