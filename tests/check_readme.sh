@@ -54,6 +54,7 @@ for page in README.md $(cd "$top" && ls doc/guide/*.md | grep -v /python.md); do
 # Examples with less work: of an option that stands twice the last one counts. All cases of the atlas: test_atlas.
 with_less_work() {
     sed -e '/^isoshade validate .* --quick --with gl --size/s/$/ --levels 2/' \
+        -e '/^isoshade validate .* --with gl,povray/s/$/ --with gl/' -e '/^isoshade build .* --effort fast$/s/$/ --levels 2/' \
         -e '/^isoshade atlas -o atlas$/s/$/ --case code-poles/' \
         -e '/^isoshade chart /s/$/ --steps 1 --codes fit --filters moments --estimators central --plans none/'
 }

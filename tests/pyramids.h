@@ -5,6 +5,7 @@
 #include "test.h"
 
 #include "pyramid/pyramid.h"
+#include "scene/scene.h"
 
 static inline iso_geometry plain(size_t nx, size_t ny, size_t nz)
 {
@@ -51,4 +52,21 @@ static inline void place(const iso_geometry *g, size_t i, size_t at[3])
     at[0] = i % g->size[0];
     at[1] = i / g->size[0] % g->size[1];
     at[2] = i / g->size[0] / g->size[1];
+}
+
+/* A scene of a surface under a headlight, by the points of its transfer function. */
+static inline iso_scene scene_of(const char *path, iso_tf_point points[4])
+{
+    return (iso_scene){.path = (char *)path,
+                       .orthographic = true,
+                       .light_count = 1,
+                       .lights = {{.direction = {0, 0, 1}, .in_camera_space = true, .intensity = 1}},
+                       .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
+                       .step_voxels = 0.5,
+                       .tf = {.point_count = 4,
+                              .points = points,
+                              .fit_range = true,
+                              .unit_distance = 1,
+                              .unit_is_voxels = true,
+                              .table_size = 256}};
 }

@@ -56,8 +56,10 @@ static inline int run_cases(CMFixtureFunction setup, CMFixtureFunction teardown)
 #define TEST(function) ISO_CASE(function, #function, NULL, NULL)
 #define TEST_BETWEEN(function, setup, teardown) ISO_CASE(function, #function, setup, teardown)
 #if defined __SANITIZE_ADDRESS__
+enum { ISO_SANITIZED = 1 };
 #define VALUES_TEST(function) ISO_CASE(function, NULL, NULL, NULL)
 #else
+enum { ISO_SANITIZED = 0 };
 #define VALUES_TEST(function) TEST(function)
 #endif
 

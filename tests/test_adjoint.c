@@ -229,7 +229,7 @@ static double farthest(const gradient *g, const double *truth)
 
 static const iso_cpu_width widths[] = {ISO_CPU_ONE, ISO_CPU_BASELINE, ISO_CPU_AVX2, ISO_CPU_AVX512};
 
-TEST(gradients_are_finite_differences)
+VALUES_TEST(gradients_are_finite_differences)
 {
     for (int orthographic = 0; orthographic < 2; ++orthographic) {
         problem *p = make_problem(orthographic);
@@ -253,7 +253,7 @@ TEST(gradients_are_finite_differences)
 
 TEST(pictures_are_the_casters)
 {
-    problem *p = make_problem(false);
+    FREED problem *p = make_problem(false);
     static float rgba[4 * PIXELS], scalar[VOXELS], directions[3 * VOXELS];
     const iso_adjoint_field f = {&p->geometry, p->voxels, NULL};
     for (size_t i = 0; i < VOXELS; ++i) {
@@ -276,12 +276,11 @@ TEST(pictures_are_the_casters)
             assert_at_most(fabs((double)(rgba[4 * ISO_ADJOINT_TILE * y + x] -
                                          image.rgba[4 * ((p->tile.y + y) * image.width + p->tile.x) + x])),
                            5e-6); /* the caster's sums keep their rests, these do not */
-    free(p);
 }
 
 TEST(a_seed_shifts_samples_and_gives_the_same_again)
 {
-    problem *p = make_problem(true);
+    FREED problem *p = make_problem(true);
     static float rgba[3][4 * PIXELS];
     const iso_adjoint_field f = field_of(p);
     const uint32_t seeds[3] = {0, 5, 5};
@@ -291,7 +290,6 @@ TEST(a_seed_shifts_samples_and_gives_the_same_again)
     }
     assert_memory_equal(rgba[1], rgba[2], sizeof rgba[1]);
     assert_true(memcmp(rgba[0], rgba[1], sizeof rgba[0]) != 0);
-    free(p);
 }
 
 /* ---- a slab ---- */
@@ -300,7 +298,7 @@ TEST(a_seed_shifts_samples_and_gives_the_same_again)
  * all voxels, octaves and entries sum up to those by v, o and the table's height, whatever the samples' shifts are. */
 TEST(a_slabs_derivatives_are_the_closed_form)
 {
-    problem *p = make_problem(true);
+    FREED problem *p = make_problem(true);
     static float weights[4 * PIXELS];
     const double value = 0.6, octave = 0.5, length = NZ * 0.7, sigma = 0.2 * value * exp2(octave),
                  slope = length * exp(-sigma * length);
@@ -333,7 +331,6 @@ TEST(a_slabs_derivatives_are_the_closed_form)
         assert_within(table, slope * sigma, 1e-5);
         free(g);
     }
-    free(p);
 }
 
 TEST_MAIN(NULL, NULL)

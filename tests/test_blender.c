@@ -209,7 +209,7 @@ TEST(thin_shells_agree_within_the_error_bar_and_faults_do_not)
     need_cycles();
     ENDED_BY(close_subject)
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SHELLS, .type = ISO_F32, .tf = thin_tf});
-    iso_image want = reference(&s, 0, &s.view), fine = cycles(&s, 0, 1.0 / 16), coarse = cycles(&s, 0, 1.0 / 8);
+    OWNED(iso_image) want = reference(&s, 0, &s.view), fine = cycles(&s, 0, 1.0 / 16), coarse = cycles(&s, 0, 1.0 / 8);
     double error = rmse(&fine, &want), bar = rmse(&fine, &coarse);
     assert_at_most(error, THIN_LIMIT);
     assert_at_most(error, bar);
@@ -247,9 +247,6 @@ TEST(thin_shells_agree_within_the_error_bar_and_faults_do_not)
     assert_more_than(rmse(&fine, &wrong), THIN_LIMIT);
     iso_image_destroy(&wrong);
 
-    iso_image_destroy(&want);
-    iso_image_destroy(&fine);
-    iso_image_destroy(&coarse);
 }
 
 /* Steps and seeds change from frame to frame, nothing else: each picture is that of a run of its own. */

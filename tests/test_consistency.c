@@ -344,7 +344,7 @@ TEST(a_budget_ends_between_two_views)
 }
 
 /* With all that the verdict needs it is given; otherwise it names the missing part. */
-TEST(a_budget_leaves_out_bounds_and_more_views)
+VALUES_TEST(a_budget_leaves_out_bounds_and_more_views)
 {
     subject s;
     const size_t all = measure_within(&s, "all", SIZE_MAX, false);

@@ -118,13 +118,13 @@ static void expect_picture(const iso_pyramid *p, const iso_view *view, iso_direc
                                            ISO_CPU_AVX512};
     iso_reference_options o = iso_reference_defaults();
     iso_cpu_options opt = iso_cpu_defaults();
-    iso_image truth;
+    OWNED(iso_image) truth;
     o.quadrature = ISO_QUADRATURE_MIDPOINT;
     o.source = opt.source = source;
     opt.threads = 1;
     opt.skip = ISO_CPU_SKIP_NEVER;
     assert_ok(iso_reference_render(&p->levels[0], p->options.code, view, &o, &truth, NULL, &err));
-    iso_image image = draw(p, view, opt);
+    OWNED(iso_image) image = draw(p, view, opt);
     const difference d = compare(&truth, &image);
     print_message("%-40s rmse %.2g, most %.2g\n", what, d.rmse, d.max_abs);
     if (!(d.rmse <= RMSE && d.max_abs <= MAX_ABS))
@@ -140,8 +140,6 @@ static void expect_picture(const iso_pyramid *p, const iso_view *view, iso_direc
     opt.width = ISO_CPU_WIDEST;
     opt.skip = ISO_CPU_SKIP_ALWAYS;
     expect_same_bits(p, view, opt, &image, "empty space is left out");
-    iso_image_destroy(&image);
-    iso_image_destroy(&truth);
 }
 
 TEST(it_has_the_samples_of_the_reference)

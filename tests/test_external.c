@@ -210,7 +210,7 @@ static const char *python(void)
 /* "right", and "fault0" to the last. Not "numpy": a numpy.py would be imported for it. */
 static void load_programs(const char *interpreter)
 {
-    char *text = example_program(), *json = NULL, name[32];
+    FREED char *text = example_program(), *json = NULL, name[32];
     size_t size;
     FILE *f = open_memstream(&json, &size);
     fputs("{\"schema\": \"isoshade.renderers/1\", \"renderers\": [", f);
@@ -227,8 +227,6 @@ static void load_programs(const char *interpreter)
     fputs("]}", f);
     fclose(f);
     assert_ok(load("programs.json", json, &err));
-    free(json);
-    free(text);
 }
 
 TEST(the_program_passes_and_each_fault_in_it_is_found)

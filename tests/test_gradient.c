@@ -127,7 +127,7 @@ TEST(sphere_gradients_point_outwards_with_an_error_of_second_order)
         size_t n = fine ? 48 : 24, size[3] = {n, n, n};
         double spacing[3] = {24.0 / (double)n, 24.0 / (double)n, 24.0 / (double)n};
         iso_geometry g = iso_geometry_axis_aligned(size, spacing);
-        iso_volume v = sample(&g, ISO_F64, distance);
+        OWNED(iso_volume) v = sample(&g, ISO_F64, distance);
         float *out = gradients(&v, 2);
         for (size_t i = 0; i < iso_geometry_voxel_count(&g); ++i) {
             iso_vec3 p = center(&g, i), d = iso_v3(out[3 * i], out[3 * i + 1], out[3 * i + 2]);
@@ -136,7 +136,6 @@ TEST(sphere_gradients_point_outwards_with_an_error_of_second_order)
             worst[fine] = fmax(worst[fine], iso_norm(iso_sub(d, iso_normalize(p))));
         }
         free(out);
-        iso_volume_destroy(&v);
     }
     assert_at_most(worst[0], sqrt(3) / 2 / 64);
     assert_more_than(worst[0] / worst[1], 3.6); /* 4 for the second order, 2 for the first */
@@ -203,7 +202,7 @@ TEST(cubic_fields_are_exact_for_the_estimator_of_fourth_order)
     const size_t size[3] = {11, 9, 12};
     const double spacing[3] = {1, 0.5, 1.5};
     iso_geometry g = iso_geometry_axis_aligned(size, spacing);
-    iso_volume v = sample(&g, ISO_F32, cubic);
+    OWNED(iso_volume) v = sample(&g, ISO_F32, cubic);
     double worst[2] = {0, 0};
     for (int i = 0; i < 2; ++i) {
         float *out = gradients_by(&v, i ? ISO_GRADIENT_CENTRAL : ISO_GRADIENT_FOURTH, 1);
@@ -220,7 +219,6 @@ TEST(cubic_fields_are_exact_for_the_estimator_of_fourth_order)
     }
     assert_at_most(worst[0], 2e-4);
     assert_more_than(worst[1], 2e-4); /* central differences miss the third derivative */
-    iso_volume_destroy(&v);
 }
 
 /* The border's weights sum to 8 at most, of values up to 300, each rounded to 2^-24: below 2e-4, over half a step

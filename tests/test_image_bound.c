@@ -3,7 +3,7 @@
 
 #include "image_bound_cases.h"
 
-TEST(no_image_is_farther_than_its_bound)
+VALUES_TEST(no_image_is_farther_than_its_bound)
 {
     static const iso_field_kind kinds[] = {ISO_FIELD_SHELLS, ISO_FIELD_MARSCHNER_LOBB, ISO_FIELD_NOISE};
     int below = 0;

@@ -149,13 +149,12 @@ TEST(stored_histograms_come_back_and_foreign_ones_are_refused)
     FREED char *dir = iso_make_temp_dir();
     OWNED(iso_pyramid) p = random_pyramid(17, 9, 13, ISO_U8, 3);
     for (int bits = 8; bits <= 12; bits += 4) { /* dense, then sparse */
-        iso_joint j, back;
+        OWNED(iso_joint) j, back;
         assert_ok(iso_joint_compute(&p, 1, bits, ISO_SECOND_VALUE_NONE, 1, &j, &err));
         assert_ok(iso_joint_save(&j, dir, 1, bits, &err));
         assert_ok(iso_joint_load(dir, &(iso_joint_key){1, bits, ISO_SECOND_VALUE_NONE}, &j.z, &j.s, j.voxel_count,
                                  &back, &err));
         assert_same_joint(&j, &back);
-        iso_joint_destroy(&back);
         assert_status(iso_joint_load(dir, &(iso_joint_key){1, bits, ISO_SECOND_VALUE_NONE}, &j.z, &j.s,
                                      j.voxel_count + 1, &back, &err),
                       ISO_E_FORMAT);
@@ -167,7 +166,6 @@ TEST(stored_histograms_come_back_and_foreign_ones_are_refused)
         assert_status(iso_joint_load(dir, &(iso_joint_key){2, bits, ISO_SECOND_VALUE_NONE}, &j.z, &j.s, j.voxel_count,
                                      &back, &err),
                       ISO_E_IO);
-        iso_joint_destroy(&j);
     }
     iso_remove_tree(dir);
 }

@@ -384,7 +384,7 @@ TEST(an_atlas_of_many_labels_is_a_map)
     for (int side = 4; side <= 5; ++side) { /* cubes of 64 and of 125 voxels: 3375 and 1728 labels */
         const int n = 60 / side;
         iso_label_facts facts;
-        iso_volume v;
+        OWNED(iso_volume) v;
         assert_ok(iso_volume_create(&v, &g, ISO_I16, "test", &err));
         for (int i = 0; i < 60 * 60 * 60; ++i) {
             const int x = i % 60 / side, y = i / 60 % 60 / side, z = i / 3600 / side;
@@ -395,7 +395,6 @@ TEST(an_atlas_of_many_labels_is_a_map)
         assert_int_equal(facts.has_too_many, side == 4);
         if (side == 5)
             assert_int_equal(facts.count, 1728);
-        iso_volume_destroy(&v);
     }
 }
 

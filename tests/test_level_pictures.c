@@ -110,10 +110,14 @@ static held held_with(iso_field_kind kind, fault *in_level_1, fault *in_level_2)
     return h;
 }
 
-TEST(gross_faults_are_seen_in_pictures)
+TEST(right_levels_are_held)
 {
     const held clean = held_with(ISO_FIELD_BALLS, NULL, NULL);
     assert_true(clean.pictures[1] && clean.pictures[2]);
+}
+
+VALUES_TEST(gross_faults_are_seen_in_pictures)
+{
     assert_false(held_with(ISO_FIELD_BALLS, of_another_volume, NULL).pictures[1]);
     assert_false(held_with(ISO_FIELD_BALLS, directions_of_a_neighbor, NULL).pictures[1]);
     const held both = held_with(ISO_FIELD_BALLS, mirrored, exchanged);

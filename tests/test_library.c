@@ -965,7 +965,7 @@ TEST(each_code_decodes_to_a_direction)
     for (size_t c = 0; c < sizeof codes / sizeof *codes; ++c) {
         const size_t width = iso_directions_bytes(codes[c]), batches = width == 3 ? 256 : 3;
         double longest = 0, farthest = 0;
-        for (size_t batch = 0; batch < batches; ++batch) {
+        for (size_t batch = 0; batch < batches; batch += ISO_SANITIZED && width == 3 ? 15 : 1) {
             memset(bytes, 0, 6 * BATCH);
             for (size_t i = 0; i < BATCH; ++i) {
                 const uint16_t low = (uint16_t)i;

@@ -308,10 +308,10 @@ TEST(ssim_of_the_foreground_leaves_out_what_both_images_leave_empty)
 TEST(planted_faults_are_rejected)
 {
     enum { n = 48 };
-    iso_image a = textured(n, n, 11);
+    OWNED(iso_image) a = textured(n, n, 11);
     const iso_tolerances tolerances = {.rmse = 1e-3, .max_abs = 1e-2, .flip_mean = 5e-3, .ssim_dissimilarity = 5e-3};
     for (int fault = 0; fault < 6; ++fault) {
-        iso_image b = copy(&a);
+        OWNED(iso_image) b = copy(&a);
         for (size_t y = 0; y < n; ++y)
             for (size_t x = 0; x < n; ++x) {
                 float *p = b.rgba + 4 * (y * n + x);
@@ -334,9 +334,7 @@ TEST(planted_faults_are_rejected)
         if (fault != 3) /* SSIM hardly sees a change of brightness: why it is never the only gate */
             assert_false(
                 iso_metrics_within(&m, &(iso_tolerances){.ssim_dissimilarity = tolerances.ssim_dissimilarity}));
-        iso_image_destroy(&b);
     }
-    iso_image_destroy(&a);
 }
 
 TEST(difference_image_is_scaled_to_its_largest)

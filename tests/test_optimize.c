@@ -23,18 +23,7 @@ static iso_tf_point points[] = {{0, {0.9, 0.7, 0.4}, 0},
 
 static iso_scene surface_scene(void)
 {
-    return (iso_scene){.path = (char *)"surface.scene.json",
-                       .orthographic = true,
-                       .light_count = 1,
-                       .lights = {{.direction = {0, 0, 1}, .in_camera_space = true, .intensity = 1}},
-                       .shading = {.ambient = 0.3, .diffuse = 0.7, .power = 1},
-                       .step_voxels = 0.5,
-                       .tf = {.point_count = 4,
-                              .points = points,
-                              .fit_range = true,
-                              .unit_distance = 1,
-                              .unit_is_voxels = true,
-                              .table_size = 256}};
+    return scene_of("surface.scene.json", points);
 }
 
 /* A softer surface at a lower value, of another color. */
@@ -44,10 +33,7 @@ static iso_scene faint_scene(void)
                                    {0.35, {0.2, 0.5, 0.9}, 0},
                                    {0.5, {0.3, 0.6, 1}, 0.7},
                                    {1, {0.2, 0.5, 0.9}, 0.7}};
-    iso_scene scene = surface_scene();
-    scene.path = (char *)"faint.scene.json";
-    scene.tf.points = faint;
-    return scene;
+    return scene_of("faint.scene.json", faint);
 }
 
 /* A ball with bumps of about two coarse voxels. */
@@ -530,9 +516,8 @@ TEST(two_scenes_share_a_level)
         }
         iso_level_gate_close(&gate);
     }
-    char *names = iso_level_scene_names(p);
+    FREED char *names = iso_level_scene_names(p);
     assert_string_equal(names, "surface.scene.json, faint.scene.json");
-    free(names);
     iso_tf_table_destroy(&own[0]);
     iso_tf_table_destroy(&own[1]);
 }

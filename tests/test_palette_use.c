@@ -73,7 +73,7 @@ TEST(lookup_finds_the_nearest_entry)
 TEST(bytes_and_words_agree_and_decode)
 {
     enum { N = 1000 };
-    float *v = ellipsoid(N), decoded[3 * N];
+    FREED float *v = ellipsoid(N), decoded[3 * N];
     uint16_t wide[N];
     uint8_t narrow[N];
     v[3 * 5] = NAN;
@@ -94,7 +94,6 @@ TEST(bytes_and_words_agree_and_decode)
     assert_memory_equal(decoded, p.xyz + 3 * (size_t)wide[0], 3 * sizeof *decoded);
     assert_true(decoded[21] == 0 && decoded[22] == 0 && decoded[23] == 0);
     iso_palette_lookup_destroy(lookup);
-    free(v);
 }
 
 /* ---- pooling ---------------------------------------------------------------------------------- */
@@ -230,13 +229,12 @@ TEST(csv_survives_and_bad_ones_are_refused)
 {
     FREED float *v = ellipsoid(500);
     OWNED(iso_direction_set) set = set_of(v, NULL, 500);
-    iso_palette p = fit(&set, ISO_PALETTE_KMEANS, 30), q;
+    OWNED(iso_palette) p = fit(&set, ISO_PALETTE_KMEANS, 30), q;
     FREED char *dir = iso_make_temp_dir(), *path = iso_path_join(dir, "p.csv");
     assert_ok(iso_palette_save_csv(&p, path, &err));
     assert_ok(iso_palette_load_csv(path, &q, &err));
     assert_int_equal(p.count, q.count);
     assert_memory_equal(p.xyz, q.xyz, 3 * p.count * sizeof *p.xyz);
-    iso_palette_destroy(&q);
     const char *const bad[] = {"",
                                "index,x,y,z\n",
                                "a,b\n0,0,0,0\n",
@@ -252,7 +250,6 @@ TEST(csv_survives_and_bad_ones_are_refused)
         assert_null(q.xyz);
     }
     iso_remove_tree(dir);
-    iso_palette_destroy(&p);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -268,9 +268,9 @@ static iso_vec3 main_axis(const double t[6], double *gap)
 
 TEST(tensor_directions_are_the_main_axis_on_the_mean_s_side)
 {
-    iso_volume v = noise(12, 10, 8);
+    OWNED(iso_volume) v = noise(12, 10, 8);
     iso_pyramid_options opt = keeping(ISO_DIRECTION_TENSOR);
-    iso_pyramid p = build(&v, &opt);
+    OWNED(iso_pyramid) p = build(&v, &opt);
     field fine = field_of_gradients(&v);
     const iso_level *l = &p.levels[1];
     size_t compared = 0;
@@ -297,8 +297,6 @@ TEST(tensor_directions_are_the_main_axis_on_the_mean_s_side)
     }
     assert_true(compared > 60);
     free(fine.data);
-    iso_pyramid_destroy(&p);
-    iso_volume_destroy(&v);
 }
 
 /* ---- scalars ---- */

@@ -60,13 +60,12 @@ static void refuse(const char *name, size_t keep_bytes, long flip_at, iso_status
 {
     OWNED(iso_volume) v = noise(6, 5, 4);
     iso_pyramid_options opt = iso_pyramid_defaults();
-    iso_pyramid p = build(&v, &opt), q;
+    OWNED(iso_pyramid) p = build(&v, &opt), q;
     FREED char *dir = iso_path_join(folder, "bad.iso"), *path, *data;
     size_t size;
     iso_remove_tree(dir); /* a folder that was changed is not replaced */
     assert_ok(iso_pyramid_save(&p, dir, &err));
     assert_ok(iso_pyramid_load(dir, &q, &err));
-    iso_pyramid_destroy(&q);
     path = iso_path_join(dir, name);
     assert_ok(iso_file_read(path, &data, &size, &err));
     if (flip_at >= 0)
@@ -75,7 +74,6 @@ static void refuse(const char *name, size_t keep_bytes, long flip_at, iso_status
     if (keep_bytes == 0 && flip_at < 0)
         unlink(path);
     assert_status(iso_pyramid_load(dir, &q, &err), wanted);
-    iso_pyramid_destroy(&p);
 }
 
 TEST(truncated_tampered_and_missing_files_are_refused)

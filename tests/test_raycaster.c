@@ -217,7 +217,7 @@ TEST(exact_lookups_leave_out_what_texture_coordinates_round)
     OWNED(iso_pyramid) p = make_pyramid(ISO_F32, ISO_CODE_SNORM);
     for (size_t k = 0; k < p.level_count; ++k)
         for (size_t i = 0; i < 2; ++i) {
-            iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
+            OWNED(iso_view) view = make_view(PERSPECTIVE, &p.levels[0]);
             for (size_t e = 0; e < view.tf.count; ++e)
                 view.tf.entries[4 * e + 3] = e % 8 < 4 ? 0.0f : 6.0f;
             OWNED(iso_image) wanted = render_reference(&p.levels[k], ISO_CODE_SNORM, &view, sources[i]);
@@ -231,14 +231,12 @@ TEST(exact_lookups_leave_out_what_texture_coordinates_round)
             assert_at_most(of_exact.rmse, RMSE / 2);
             if (k == 0) /* the most voxels, of which a coordinate rounds the same part */
                 assert_more_than(of_filtered.rmse, 2 * of_exact.rmse);
-            iso_view_destroy(&view);
         }
-    iso_view view = make_view(PERSPECTIVE, &p.levels[0]);
+    OWNED(iso_view) view = make_view(PERSPECTIVE, &p.levels[0]);
     iso_gl_options opt = iso_gl_defaults();
     iso_image none;
     opt.exact_lookups = opt.preintegrated = true;
     assert_status(iso_gl_render(gl, &p.levels[0], ISO_CODE_SNORM, &view, &opt, &none, &err), ISO_E_USAGE);
-    iso_view_destroy(&view);
 }
 
 /* Between the faces of a plate nearly every point turns some of its eight directions. */

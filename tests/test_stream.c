@@ -169,7 +169,7 @@ TEST(a_build_that_was_killed_is_taken_up_with_the_same_bytes)
 {
     char *source = iso_path_join(folder, "v.nrrd"), *a = iso_path_join(folder, "a.iso"),
          *b = iso_path_join(folder, "c.iso");
-    char *partial = partial_of("c.iso");
+    FREED char *partial = partial_of("c.iso");
     for (size_t i = 0; i < JOB_COUNT; ++i) {
         if (jobs[i].size[2] < 20)
             continue;
@@ -194,7 +194,6 @@ TEST(a_build_that_was_killed_is_taken_up_with_the_same_bytes)
     free(source);
     free(a);
     free(b);
-    free(partial);
 }
 
 TEST(what_does_not_fit_is_not_taken_up)

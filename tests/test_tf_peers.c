@@ -230,18 +230,16 @@ TEST(lookup_tables_of_imagej)
     for (int i = 0; i < 256; ++i)
         bytes[32 + i] = (unsigned char)i, bytes[288 + i] = (unsigned char)(255 - i), bytes[544 + i] = 51;
     for (int header = 0; header < 2; ++header) {
-        iso_tf tf;
+        OWNED(iso_tf) tf;
         FREED char *path = write_file("a.lut", bytes + (header ? 0 : 32), header ? 800 : 768);
         assert_ok(iso_tf_load_as(path, &request, &tf, &err));
         assert_shows(&tf, 51 / 255.0, (double[]){0.2, 0.8, 0.2, 0.5});
-        iso_tf_destroy(&tf);
     }
     char text[256 * 16] = "Index Red Green Blue\n";
     for (int i = 0; i < 256; ++i)
         snprintf(text + strlen(text), sizeof text - strlen(text), "%d %d %d 51\n", i, i, 255 - i);
-    iso_tf tf = load("b.lut", text, request);
+    OWNED(iso_tf) tf = load("b.lut", text, request);
     assert_shows(&tf, 51 / 255.0, (double[]){0.2, 0.8, 0.2, 0.5});
-    iso_tf_destroy(&tf);
 }
 
 TEST(tables_of_display_colors)

@@ -257,11 +257,10 @@ TEST(a_table_has_the_results_of_the_function)
     s.level.min = -100, s.level.max = 200.5;
     for (int small = 1; small >= 0; --small) {
         s.level.stored_type = small ? ISO_I16 : ISO_F32;
-        iso_value_table t = iso_value_table_create(&s.level, square_of, &calls);
+        OWNED(iso_value_table) t = iso_value_table_create(&s.level, square_of, &calls);
         calls = 0;
         assert_int_equal(iso_value_table_sum(&t, 0, COUNT), expected);
         assert_int_equal(calls, small ? COUNT / 50 : COUNT);
-        iso_value_table_destroy(&t);
     }
     uint8_t bytes[COUNT];
     const iso_volume v = {.geometry = s.level.geometry, .type = ISO_U8, .data = bytes};
@@ -273,9 +272,8 @@ TEST(a_table_has_the_results_of_the_function)
     s.level.scalar = NULL;
     s.level.samples = &v;
     s.level.stored_type = ISO_U8;
-    iso_value_table t = iso_value_table_create(&s.level, square_of, &calls);
+    OWNED(iso_value_table) t = iso_value_table_create(&s.level, square_of, &calls);
     assert_int_equal(iso_value_table_sum(&t, 7, COUNT - 7), expected);
-    iso_value_table_destroy(&t);
 }
 
 TEST_MAIN(NULL, NULL)

@@ -167,7 +167,7 @@ TEST(errors_are_over_what_either_image_shows)
 /* 5 x 3 pixels in boxes of 2: 3 x 2, the last ones cut. */
 TEST(minifying_takes_means_of_boxes_that_the_border_cuts)
 {
-    iso_image image = plain_image(5, 3, 0), out;
+    OWNED(iso_image) image = plain_image(5, 3, 0), out;
     for (size_t i = 0; i < 15; ++i)
         image.rgba[4 * i] = (float)i;
     assert_ok(iso_image_minify(&image, 2, &out, &err));
@@ -176,9 +176,7 @@ TEST(minifying_takes_means_of_boxes_that_the_border_cuts)
     const float wanted[6] = {3, 5, 6.5F, 10.5F, 12.5F, 14};
     for (size_t i = 0; i < 6; ++i)
         assert_true(out.rgba[4 * i] == wanted[i]);
-    iso_image_destroy(&out);
     assert_int_equal(iso_image_minify(&image, 0, &out, NULL), ISO_E_RANGE);
-    iso_image_destroy(&image);
 }
 
 TEST(methods_are_chosen_by_whole_names)

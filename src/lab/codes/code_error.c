@@ -127,7 +127,7 @@ static void climb(const iso_scheme *scheme, const iso_code_error_options *opt, w
 {
     enum { NEIGHBORS = BATCH / CLIMBERS };
     double reach = 0.02;
-    for (int step = 0; step < STEPS; ++step, reach *= 0.85) {
+    for (int step = 0; step < STEPS && (size_t)step < opt->count / CLIMBERS / 2; ++step, reach *= 0.85) {
         for (int i = 0; i < BATCH; ++i)
             w->probes[i] = moved(&w->worst[i / NEIGHBORS], opt, reach, state);
         judge(scheme, w->probes, BATCH, w->floats, w->bytes);
