@@ -8,6 +8,7 @@
 
 #include "povray/povray.h"
 #include "render/reference.h"
+#include "difference.h"
 #include "test.h"
 
 enum { pixels = 40 };
@@ -117,21 +118,6 @@ static inline iso_view oblique_view(const iso_geometry *g, bool orthographic, si
     return v;
 }
 
-static inline double largest_difference(const iso_image *a, const iso_image *b, double *rmse)
-{
-    assert_int_equal(a->width, b->width);
-    assert_int_equal(a->height, b->height);
-    double most = 0, sum = 0;
-    const size_t count = 4 * a->width * a->height;
-    for (size_t i = 0; i < count; ++i) {
-        const double d = fabs((double)a->rgba[i] - (double)b->rgba[i]);
-        most = d <= most ? most : d; /* NaN stays */
-        sum += d * d;
-    }
-    *rmse = sqrt(sum / (double)count);
-    return most;
-}
-
 static inline bool progress_rises_to_one(void *user, const char *stage, double fraction)
 {
     double *last = user;
@@ -210,7 +196,9 @@ static inline double compare(comparison *c, double *rmse)
     if (!c->image.rgba)
         render_povray(&c->pyramid, c->level, &c->view, &c->options, &c->image);
     render_reference(&c->pyramid, c->level, &c->view, c->quadrature, c->options.intervals, c->options.iso, &wanted);
-    const double most = largest_difference(&c->image, &wanted, rmse);
+    const difference d = difference_of(&c->image, &wanted);
+    const double most = d.max_abs;
+    *rmse = d.rmse;
     return most;
 }
 

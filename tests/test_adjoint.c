@@ -28,17 +28,6 @@ static float between(iso_random *r, double lo, double hi)
     return (float)(lo + (hi - lo) * iso_random_unit(r));
 }
 
-static iso_geometry rotated_geometry(void)
-{
-    const double c = cos(0.5), s = sin(0.5), d = cos(0.3), e = sin(0.3), h[3] = {1, 0.8, 1.7};
-    const double rotation[3][3] = {{c, -s, 0}, {d * s, d * c, -e}, {e * s, e * c, d}};
-    iso_geometry g = {.size = {NX, NY, NZ}, .box_index = {NX, NY, NZ}, .origin_mm = {-17, 5, 40}};
-    for (int a = 0; a < 3; ++a)
-        for (int row = 0; row < 3; ++row)
-            g.index_to_world.m[row][a] = rotation[row][a] * h[a];
-    return g;
-}
-
 static void make_view(problem *p, bool orthographic)
 {
     iso_view *v = &p->view;
@@ -67,7 +56,7 @@ static problem *make_problem(bool orthographic)
 {
     problem *p = calloc(1, sizeof *p);
     iso_random r = {.state = 11};
-    p->geometry = rotated_geometry();
+    p->geometry = rotated_geometry(NX, NY, NZ);
     p->tile = (iso_adjoint_tile){.x = 9, .y = 4};
     for (size_t i = 0; i < 4 * VOXELS; ++i)
         p->voxels[i] = i % 4 == 0 ? between(&r, 0, 1) : between(&r, -0.6, 0.6);

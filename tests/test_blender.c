@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Cycles and the exported .blend against the converged reference. Blender has to be there. */
 #define _GNU_SOURCE
+#include "difference.h"
 #include "sampled.h"
 #include "cycles.h"
 
@@ -127,13 +128,6 @@ static iso_image cycles(const subject *s, size_t level, double step_voxels)
     return image;
 }
 
-static double rmse(const iso_image *a, const iso_image *b)
-{
-    iso_metrics m;
-    assert_ok(iso_metrics_measure(a, b, &m, &err));
-    return m.rmse;
-}
-
 /* Pictures of a .blend have the background in and no alpha. */
 static double rmse_of_color(const iso_image *a, const iso_image *b)
 {
@@ -157,7 +151,7 @@ static void check_case(const scene_case *c, double limit)
     for (size_t i = 3; i < 4 * want.width * want.height; i += 4)
         seen = fmaxf(seen, want.rgba[i]);
     assert_more_than((double)seen, 0.3); /* the volume is in the picture */
-    assert_at_most(rmse(&have, &want), limit);
+    assert_at_most(difference_of(&have, &want).rmse, limit);
 }
 
 /* Values of both signs, and opacity at the border: the box is cut within a step. */
@@ -210,7 +204,7 @@ TEST(thin_shells_agree_within_the_error_bar_and_faults_do_not)
     ENDED_BY(close_subject)
     subject s = open_subject(&(scene_case){.field = ISO_FIELD_SHELLS, .type = ISO_F32, .tf = thin_tf});
     OWNED(iso_image) want = reference(&s, 0, &s.view), fine = cycles(&s, 0, 1.0 / 16), coarse = cycles(&s, 0, 1.0 / 8);
-    double error = rmse(&fine, &want), bar = rmse(&fine, &coarse);
+    double error = difference_of(&fine, &want).rmse, bar = difference_of(&fine, &coarse).rmse;
     assert_at_most(error, THIN_LIMIT);
     assert_at_most(error, bar);
     assert_at_most(bar, 10 * THIN_LIMIT);
@@ -219,7 +213,7 @@ TEST(thin_shells_agree_within_the_error_bar_and_faults_do_not)
     iso_geometry right = level->geometry;
     level->geometry.origin_mm = iso_madd(right.origin_mm, iso_column(right.index_to_world, 0), 0.5);
     iso_image wrong = reference(&s, 0, &s.view); /* half a voxel */
-    assert_more_than(rmse(&fine, &wrong), THIN_LIMIT);
+    assert_more_than(difference_of(&fine, &wrong).rmse, THIN_LIMIT);
     iso_image_destroy(&wrong);
     level->geometry = right;
 
@@ -228,7 +222,7 @@ TEST(thin_shells_agree_within_the_error_bar_and_faults_do_not)
         level->geometry.index_to_world.m[r][1] = right.index_to_world.m[r][0];
     }
     wrong = reference(&s, 0, &s.view);
-    assert_more_than(rmse(&fine, &wrong), THIN_LIMIT);
+    assert_more_than(difference_of(&fine, &wrong).rmse, THIN_LIMIT);
     iso_image_destroy(&wrong);
     level->geometry = right;
 
@@ -236,7 +230,7 @@ TEST(thin_shells_agree_within_the_error_bar_and_faults_do_not)
     s.view.lights[0].direction = iso_sub(iso_scale(s.view.camera.right, 2 * iso_dot(light, s.view.camera.right)),
                                          light);
     wrong = reference(&s, 0, &s.view); /* light from the other side */
-    assert_more_than(rmse(&fine, &wrong), THIN_LIMIT);
+    assert_more_than(difference_of(&fine, &wrong).rmse, THIN_LIMIT);
     iso_image_destroy(&wrong);
     s.view.lights[0].direction = light;
 
@@ -244,9 +238,8 @@ TEST(thin_shells_agree_within_the_error_bar_and_faults_do_not)
         if (i % 4 != 3)
             s.view.tf.entries[i] = powf(s.view.tf.entries[i], 2.2f);
     wrong = reference(&s, 0, &s.view);
-    assert_more_than(rmse(&fine, &wrong), THIN_LIMIT);
+    assert_more_than(difference_of(&fine, &wrong).rmse, THIN_LIMIT);
     iso_image_destroy(&wrong);
-
 }
 
 /* Steps and seeds change from frame to frame, nothing else: each picture is that of a run of its own. */
@@ -262,9 +255,9 @@ TEST(frames_of_one_run_are_the_pictures_of_single_runs)
     iso_image pictures[3], alone;
     assert_ok(iso_cycles_render_frames(&s.pyramid, 0, &s.view, &(iso_blender_frames){frames, 3, pictures}, NULL, &err));
     assert_ok(iso_cycles_render(&s.pyramid, 0, &s.view, &frames[1], &alone, NULL, &err));
-    assert_at_most(rmse(&pictures[1], &alone), 1e-7);         /* threads may differ in the last bit */
-    assert_more_than(rmse(&pictures[1], &pictures[0]), 1e-4); /* another step */
-    assert_more_than(rmse(&pictures[1], &pictures[2]), 1e-4); /* another seed */
+    assert_at_most(difference_of(&pictures[1], &alone).rmse, 1e-7);         /* threads may differ in the last bit */
+    assert_more_than(difference_of(&pictures[1], &pictures[0]).rmse, 1e-4); /* another step */
+    assert_more_than(difference_of(&pictures[1], &pictures[2]).rmse, 1e-4); /* another seed */
     frames[2].step_voxels = -1;
     for (int i = 0; i < 3; ++i)
         iso_image_destroy(&pictures[i]);
@@ -294,7 +287,7 @@ VALUES_TEST(each_seed_has_a_noise_of_its_own)
         iso_cycles_render_frames(&s.pyramid, 0, &s.view, &(iso_blender_frames){frames, count, pictures}, NULL, &err));
     for (int i = 0; i < count; ++i)
         for (int k = 0; k < i; ++k)
-            assert_more_than(rmse(&pictures[i], &pictures[k]), 1e-4);
+            assert_more_than(difference_of(&pictures[i], &pictures[k]).rmse, 1e-4);
     for (int i = 0; i < count; ++i)
         iso_image_destroy(&pictures[i]);
 }

@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/process.h"
 #include "base/work.h"
+#include "difference.h"
 #include "cycles.h"
 #include "folder.h"
 #include "rendered.h"
@@ -58,15 +59,6 @@ static iso_status draw(const subject *s, size_t i, iso_blender_session **session
     return iso_cycles_render(&s->pyramid, s->levels[i], &s->views[i], &opt, image, NULL, err);
 }
 
-static double largest_difference(const iso_image *a, const iso_image *b)
-{
-    double most = 0;
-    assert_int_equal(a->width, b->width);
-    for (size_t i = 0; i < 4 * a->width * a->height; ++i)
-        most = fmax(most, fabs((double)a->rgba[i] - (double)b->rgba[i]));
-    return most;
-}
-
 /* A Blender in front of the real one that finds that its second line names no file. */
 static void set_wrapper(void)
 {
@@ -107,7 +99,7 @@ TEST(pictures_are_those_of_a_blender_for_each_and_a_failure_ends_one_scene)
             assert_non_null(strstr(why.text, "nothing.json"));
             continue;
         }
-        assert_true(largest_difference(&image, &alone[i]) == 0);
+        assert_true(difference_of(&image, &alone[i]).max_abs == 0);
         iso_image_destroy(&image);
     }
     unsetenv("ISOSHADE_BLENDER");

@@ -26,16 +26,15 @@ TEST(random_layouts_agree_with_the_reference_in_every_loop)
                 opt.cache_bits = 32;
                 opt.skip = (iso_gl_skip)skip;
                 OWNED(iso_image) a;
-                double rmse;
                 assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
-                double max = max_difference(&a, &b, &rmse);
+                const difference d = difference_of(&a, &b);
                 if (getenv("ISOSHADE_TEST_VERBOSE"))
-                    printf("faces %d skip %d: max_abs %.2e rmse %.2e\n", faces, skip, max, rmse);
+                    printf("faces %d skip %d: max_abs %.2e rmse %.2e\n", faces, skip, d.max_abs, d.rmse);
                 /* Bricks on their own jump at their faces, and a sample that rounding puts on the other side takes
                  * the other value: there only the mean is bounded. */
                 if (faces == ISO_FACES_BAKED)
-                    assert_at_most(max, MAX_ABS);
-                assert_at_most(rmse, faces == ISO_FACES_BAKED ? RMSE : 1e-3);
+                    assert_at_most(d.max_abs, MAX_ABS);
+                assert_at_most(d.rmse, faces == ISO_FACES_BAKED ? RMSE : 1e-3);
             }
         }
     }
@@ -49,11 +48,11 @@ TEST(cache_of_16_bits_is_close)
     iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     OWNED(iso_image) a, b = brick_reference(&f, &s.view);
     iso_gl_brick_options opt = iso_gl_brick_defaults();
-    double rmse;
     assert_ok(iso_node_levels_round(&s.nodes, 1, &err));
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
-    assert_at_most(max_difference(&a, &b, &rmse), 2e-3);
-    assert_at_most(rmse, 1e-4);
+    const difference d = difference_of(&a, &b);
+    assert_at_most(d.max_abs, 2e-3);
+    assert_at_most(d.rmse, 1e-4);
 }
 
 TEST(bricks_all_at_the_finest_level_are_the_volume)
@@ -66,13 +65,12 @@ TEST(bricks_all_at_the_finest_level_are_the_volume)
     iso_gl_brick_options opt = iso_gl_brick_defaults();
     iso_gl_options whole = iso_gl_defaults();
     OWNED(iso_image) a, b;
-    double rmse;
     opt.cache_bits = 32;
     opt.shaded = false;
     whole.source = ISO_FROM_ON_THE_FLY;
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
     assert_ok(iso_gl_render(gl, &s.level, ISO_CODE_SNORM, &s.view, &whole, &b, &err));
-    assert_at_most(max_difference(&a, &b, &rmse), MAX_ABS);
+    assert_at_most(difference_of(&a, &b).max_abs, MAX_ABS);
 }
 
 TEST(a_cache_that_is_too_small_is_refused_and_coarser_bricks_fit_it)
@@ -106,7 +104,6 @@ TEST(pages_show_what_one_texture_shows)
     iso_gl_brick_options opt = iso_gl_brick_defaults();
     iso_gl_brick_stats stats;
     iso_image one, paged;
-    double rmse;
     opt.cache_bits = 32;
     opt.keep_hidden = true;
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &one, &stats, &err));
@@ -117,7 +114,7 @@ TEST(pages_show_what_one_texture_shows)
             opt.skip = (iso_gl_skip)skip;
             assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &paged, &stats, &err));
             assert_true(stats.page_count == (stats.slot_count - 1) / (side * side * side) + 1);
-            assert_at_most(max_difference(&one, &paged, &rmse), MAX_ABS);
+            assert_at_most(difference_of(&one, &paged).max_abs, MAX_ABS);
             iso_image_destroy(&paged);
         }
     }

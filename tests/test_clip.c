@@ -1,65 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /* Clip planes: a slab's closed form, the ray caster against the reference, bricks that are left out. */
-#include "sampled.h"
+#include "brick_scene.h"
 #include "gl.h"
 
-#include "base/random.h"
 #include "render/gl/bricks_gl.h"
-#include "render/reference.h"
-#include "volume/synthetic.h"
 
-typedef struct scene {
-    iso_pyramid pyramid;
-    iso_node_levels nodes;
-    iso_view view;
-    uint8_t levels[5 * 7 * 4];
-} scene;
-
-static void make_scene(scene *s)
+static void cut(iso_scene *file)
 {
-    const double c = cos(0.4), d = sin(0.4);
-    iso_geometry g = {.size = {40, 56, 33},
-                      .origin_mm = {-17, 5, 40},
-                      .box_index = {40, 56, 33},
-                      .index_to_world = {{{c, -0.8 * d, 0}, {d, 0.8 * c, 0}, {0, 0, 1.7}}}};
-    iso_field f = {.kind = ISO_FIELD_MARSCHNER_LOBB, .geometry = g};
-    iso_pyramid_options build = iso_pyramid_defaults();
-    OWNED(iso_scene) file;
-    build.level_count = 1;
-    *s = (scene){0};
-    s->pyramid = sampled_pyramid(&f, ISO_F32, &build);
-    const iso_level *level = &s->pyramid.levels[0];
-    assert_ok(iso_node_levels_create(&s->nodes, level, 8, 3, true, 0, &err));
-    assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &file, &err));
-    file.width = 72, file.height = 60;
-    file.clip_count = 2;
-    file.clips[0].normal = iso_normalize(iso_v3(0.2, 1, 0.3));
-    file.clips[0].at = 0.45;
-    file.clips[1].normal = iso_v3(-1, 0, 0);
-    file.clips[1].point_mm = iso_geometry_box_center_mm(&g);
-    file.clips[1].at = NAN;
-    assert_ok(iso_scene_resolve(&file, &g, level->min, level->max, &s->view, &err));
-    iso_random random = {5};
-    assert_int_equal(iso_brick_count(&s->nodes), sizeof s->levels);
-    for (size_t i = 0; i < sizeof s->levels; ++i)
-        s->levels[i] = (uint8_t)iso_random_below(&random, 3);
+    file->width = 72, file->height = 60;
+    file->clip_count = 2;
+    file->clips[0].normal = iso_normalize(iso_v3(0.2, 1, 0.3));
+    file->clips[0].at = 0.45;
+    file->clips[1].normal = iso_v3(-1, 0, 0);
+    file->clips[1].at = 0.5;
 }
 
-static void destroy_scene(scene *s)
+static void make_scene(brick_scene *s)
 {
-    iso_view_destroy(&s->view);
-    iso_node_levels_destroy(&s->nodes);
-    iso_pyramid_destroy(&s->pyramid);
-}
-
-static double max_difference(const iso_image *a, const iso_image *b)
-{
-    double max = 0;
-    for (size_t i = 0; i < 4 * a->width * a->height; ++i) {
-        const double e = fabs((double)a->rgba[i] - (double)b->rgba[i]);
-        max = e <= max ? max : e;
-    }
-    return max;
+    make_changed_brick_scene(s, ISO_FIELD_MARSCHNER_LOBB, 1, cut);
 }
 
 /* As in test_raycaster.c: floats; the cut is where the segments are clipped. */
@@ -67,7 +25,7 @@ static double max_difference(const iso_image *a, const iso_image *b)
 
 TEST(cut_images_agree_with_the_reference_and_with_no_other_plane)
 {
-    ENDED_BY(destroy_scene) scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     make_scene(&s);
     const iso_level *level = &s.pyramid.levels[0];
     iso_reference_options exact = iso_reference_defaults();
@@ -78,7 +36,7 @@ TEST(cut_images_agree_with_the_reference_and_with_no_other_plane)
         iso_gl_options opt = iso_gl_defaults();
         opt.skip = (iso_gl_skip)skip;
         assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &s.view, &opt, &a, &err));
-        assert_at_most(max_difference(&a, &b), MAX_ABS);
+        assert_at_most(difference_of(&a, &b).max_abs, MAX_ABS);
         iso_image_destroy(&a);
     }
     /* A plane that is a hundredth of a voxel off is seen. */
@@ -86,10 +44,10 @@ TEST(cut_images_agree_with_the_reference_and_with_no_other_plane)
     moved.clips[0].offset_mm += 0.01;
     iso_gl_options opt = iso_gl_defaults();
     assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &moved, &opt, &a, &err));
-    assert_more_than(max_difference(&a, &b), 5 * MAX_ABS);
+    assert_more_than(difference_of(&a, &b).max_abs, 5 * MAX_ABS);
     moved.clip_count = 0;
     assert_ok(iso_gl_render(gl, level, ISO_CODE_SNORM, &moved, &opt, &whole, &err));
-    assert_more_than(max_difference(&whole, &b), 0.1);
+    assert_more_than(difference_of(&whole, &b).max_abs, 0.1);
     iso_image_destroy(&whole);
     iso_image_destroy(&a);
     iso_image_destroy(&b);
@@ -97,7 +55,7 @@ TEST(cut_images_agree_with_the_reference_and_with_no_other_plane)
 
 TEST(bricks_behind_the_planes_are_left_out_and_change_nothing)
 {
-    ENDED_BY(destroy_scene) scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     make_scene(&s);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     iso_reference_options exact = iso_reference_defaults();
@@ -108,7 +66,7 @@ TEST(bricks_behind_the_planes_are_left_out_and_change_nothing)
     opt.cache_bits = 32;
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, &cut, &err));
     assert_ok(iso_reference_render_bricks(&f, &s.view, &exact, &b, NULL, &err));
-    assert_at_most(max_difference(&a, &b), MAX_ABS);
+    assert_at_most(difference_of(&a, &b).max_abs, MAX_ABS);
     iso_image_destroy(&a);
     iso_image_destroy(&b);
     const iso_surface surface = {.iso = 0.6 * s.nodes.max + 0.4 * s.nodes.min};
@@ -117,7 +75,7 @@ TEST(bricks_behind_the_planes_are_left_out_and_change_nothing)
     opt.surface = &surface;
     assert_ok(iso_gl_render_bricks(gl, &f, &s.view, &opt, &a, NULL, &err));
     assert_ok(iso_reference_render_bricks(&f, &s.view, &exact, &b, NULL, &err));
-    assert_at_most(max_difference(&a, &b), 2e-3); /* glancing hits: tests/test_first_hit.c */
+    assert_at_most(difference_of(&a, &b).max_abs, 2e-3); /* glancing hits: tests/test_first_hit.c */
     iso_image_destroy(&a);
     iso_image_destroy(&b);
     opt.surface = NULL;

@@ -30,9 +30,8 @@ static void expect_same_bits(const iso_brick_field *f, const iso_view *view, iso
                              const iso_image *image, const char *what)
 {
     OWNED(iso_image) other = draw(f, view, opt);
-    double rmse;
     if (memcmp(image->rgba, other.rgba, 4 * image->width * image->height * sizeof(float)) != 0)
-        fail_msg("%s: %g apart", what, max_difference(image, &other, &rmse));
+        fail_msg("%s: %g apart", what, difference_of(image, &other).max_abs);
 }
 
 /* The picture in every way that it can be made. */
@@ -56,15 +55,14 @@ static iso_image draw_in_all_ways(const iso_brick_field *f, const iso_view *view
 
 static void expect_the_reference(const iso_brick_field *f, const iso_view *view, const char *what)
 {
-    double rmse;
     OWNED(iso_image) truth = brick_reference(f, view), image = draw_in_all_ways(f, view, exact());
-    const double max = max_difference(&truth, &image, &rmse);
-    print_message("%-24s rmse %.2g, most %.2g\n", what, rmse, max);
+    const difference d = difference_of(&truth, &image);
+    print_message("%-24s rmse %.2g, most %.2g\n", what, d.rmse, d.max_abs);
     /* Bricks on their own jump at their faces, and a sample that rounding puts on the other side takes the other value:
      * there only the mean is bounded. */
     if (f->faces == ISO_FACES_BAKED)
-        assert_at_most(max, MAX_ABS);
-    assert_at_most(rmse, f->faces == ISO_FACES_BAKED ? RMSE : 1e-3);
+        assert_at_most(d.max_abs, MAX_ABS);
+    assert_at_most(d.rmse, f->faces == ISO_FACES_BAKED ? RMSE : 1e-3);
 }
 
 VALUES_TEST(random_levels_agree_with_the_reference)
@@ -83,15 +81,15 @@ VALUES_TEST(random_levels_agree_with_the_reference)
 TEST(a_brick_of_another_level_is_seen)
 {
     ENDED_BY(destroy_brick_scene) brick_scene s;
-    double rmse;
     make_brick_scene(&s, ISO_FIELD_MARSCHNER_LOBB);
     const iso_brick_field f = {&s.nodes, s.levels, ISO_FACES_BAKED};
     OWNED(iso_image) truth = brick_reference(&f, &s.view);
     const size_t middle = 2 + 5 * (3 + 7 * 2);
     s.levels[middle] = s.levels[middle] ? 0 : 2;
     OWNED(iso_image) image = draw(&f, &s.view, exact());
-    assert_more_than(max_difference(&truth, &image, &rmse), 1e-3);
-    assert_more_than(rmse, 1e3 * RMSE);
+    const difference d = difference_of(&truth, &image);
+    assert_more_than(d.max_abs, 1e-3);
+    assert_more_than(d.rmse, 1e3 * RMSE);
 }
 
 TEST(views_may_be_cut_orthographic_unlit_or_from_inside)
@@ -145,13 +143,13 @@ TEST(nodes_of_16_bits_are_close)
     OWNED(iso_image) truth = brick_reference(&f, &s.view);
     for (int shaded = 1; shaded >= 0; --shaded) {
         iso_cpu_brick_options opt = iso_cpu_brick_defaults();
-        double rmse;
         opt.shaded = shaded;
         s.view.light_count = shaded ? s.view.light_count : 0;
         OWNED(iso_image) unlit = shaded ? (iso_image){0} : brick_reference(&f, &s.view);
         OWNED(iso_image) image = draw_in_all_ways(&f, &s.view, opt);
-        assert_at_most(max_difference(shaded ? &truth : &unlit, &image, &rmse), 2e-3);
-        assert_at_most(rmse, 1e-4);
+        const difference d = difference_of(shaded ? &truth : &unlit, &image);
+        assert_at_most(d.max_abs, 2e-3);
+        assert_at_most(d.rmse, 1e-4);
     }
 }
 

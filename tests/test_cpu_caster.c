@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The CPU ray caster against the reference with the same samples, over all sources of directions, volumes and views;
  * and the same bits from each instruction set, each number of threads, and with empty space left out. */
+#include "difference.h"
 #include "rendered.h"
 #include "test.h"
 
@@ -26,16 +27,9 @@ typedef struct volume_case {
 
 static iso_volume make_volume(const volume_case *of)
 {
-    const double c = cos(0.5), s = sin(0.5), d = cos(0.3), e = sin(0.3), h[3] = {1, 0.8, 1.7};
-    const double rotation[3][3] = {{c, -s, 0}, {d * s, d * c, -e}, {e * s, e * c, d}};
-    iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = {.origin_mm = {-17, 5, 40}}, .seed = 3};
+    const size_t *n = of->size;
+    const iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = rotated_geometry(n[0], n[1], n[2]), .seed = 3};
     iso_volume v;
-    for (int a = 0; a < 3; ++a) {
-        field.geometry.size[a] = of->size[a];
-        field.geometry.box_index[a] = (double)of->size[a];
-        for (int row = 0; row < 3; ++row)
-            field.geometry.index_to_world.m[row][a] = rotation[row][a] * h[a];
-    }
     assert_ok(iso_field_sample(&field, of->type, &v, &err));
     return v;
 }
@@ -85,30 +79,12 @@ static iso_image draw(const iso_pyramid *p, const iso_view *view, iso_cpu_option
     return image;
 }
 
-typedef struct difference {
-    double max_abs, rmse;
-} difference;
-
-static difference compare(const iso_image *a, const iso_image *b)
-{
-    difference d = {0, 0};
-    const size_t count = 4 * a->width * a->height;
-    for (size_t i = 0; i < count; ++i) {
-        const double e = fabs((double)a->rgba[i] - (double)b->rgba[i]);
-        if (!(e <= d.max_abs)) /* NaN sticks */
-            d.max_abs = e;
-        d.rmse += e * e;
-    }
-    d.rmse = sqrt(d.rmse / (double)count);
-    return d;
-}
-
 static void expect_same_bits(const iso_pyramid *p, const iso_view *view, iso_cpu_options opt, const iso_image *image,
                              const char *what)
 {
     OWNED(iso_image) other = draw(p, view, opt);
     if (memcmp(image->rgba, other.rgba, 4 * image->width * image->height * sizeof(float)) != 0)
-        fail_msg("%s: %g apart", what, compare(image, &other).max_abs);
+        fail_msg("%s: %g apart", what, difference_of(image, &other).max_abs);
 }
 
 /* The reference's samples within rounding; and the same bits however they were made. */
@@ -125,7 +101,7 @@ static void expect_picture(const iso_pyramid *p, const iso_view *view, iso_direc
     opt.skip = ISO_CPU_SKIP_NEVER;
     assert_ok(iso_reference_render(&p->levels[0], p->options.code, view, &o, &truth, NULL, &err));
     OWNED(iso_image) image = draw(p, view, opt);
-    const difference d = compare(&truth, &image);
+    const difference d = difference_of(&truth, &image);
     print_message("%-40s rmse %.2g, most %.2g\n", what, d.rmse, d.max_abs);
     if (!(d.rmse <= RMSE && d.max_abs <= MAX_ABS))
         fail_msg("%s: rmse %g, most %g", what, d.rmse, d.max_abs);
@@ -425,11 +401,11 @@ TEST(what_is_a_little_wrong_is_beyond_the_limits)
     const iso_vec3 origin = p.levels[0].geometry.origin_mm;
     p.levels[0].geometry.origin_mm = iso_add(origin, iso_v3(1e-3, 1e-3, 1e-3));
     OWNED(iso_image) shifted = draw(&p, &view, opt);
-    assert_more_than(compare(&image, &shifted).max_abs, 4 * MAX_ABS);
+    assert_more_than(difference_of(&image, &shifted).max_abs, 4 * MAX_ABS);
     p.levels[0].geometry.origin_mm = origin;
     opt.step_voxels = 1.001 * view.step_voxels;
     OWNED(iso_image) stepped = draw(&p, &view, opt);
-    assert_more_than(compare(&image, &stepped).max_abs, 4 * MAX_ABS);
+    assert_more_than(difference_of(&image, &stepped).max_abs, 4 * MAX_ABS);
 }
 
 TEST(what_it_cannot_draw_is_refused)

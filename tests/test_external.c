@@ -210,7 +210,8 @@ static const char *python(void)
 /* "right", and "fault0" to the last. Not "numpy": a numpy.py would be imported for it. */
 static void load_programs(const char *interpreter)
 {
-    FREED char *text = example_program(), *json = NULL, name[32];
+    FREED char *text = example_program(), *json = NULL;
+    char name[32];
     size_t size;
     FILE *f = open_memstream(&json, &size);
     fputs("{\"schema\": \"isoshade.renderers/1\", \"renderers\": [", f);

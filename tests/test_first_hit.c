@@ -1,21 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* First-hit isosurfaces by OpenGL: the reference's hits, on one texture and on bricks, and no steps where bricks
  * meet. */
-#include "sampled.h"
+#include "brick_scene.h"
 #include "gl.h"
 
-#include "base/random.h"
 #include "render/gl/bricks_gl.h"
-#include "render/reference.h"
-#include "volume/synthetic.h"
 
-typedef struct scene {
-    iso_pyramid pyramid;
-    iso_node_levels nodes;
-    iso_view view;
-    double iso;
-    uint8_t levels[5 * 7 * 4];
-} scene;
+static double iso; /* the surface */
 
 static iso_camera orthographic(iso_vec3 position, iso_vec3 forward, iso_vec3 up, double half_height)
 {
@@ -25,43 +16,22 @@ static iso_camera orthographic(iso_vec3 position, iso_vec3 forward, iso_vec3 up,
     return c;
 }
 
-static void make_scene(scene *s, iso_field_kind kind, double part_of_range, size_t level_count)
+static void enlarge(iso_scene *file)
 {
-    const double c = cos(0.4), d = sin(0.4);
-    iso_geometry g = {.size = {40, 56, 33},
-                      .origin_mm = {-17, 5, 40},
-                      .box_index = {40, 56, 33},
-                      .index_to_world = {{{c, -0.8 * d, 0}, {d, 0.8 * c, 0}, {0, 0, 1.7}}}};
-    iso_field f = {.kind = kind, .geometry = g, .seed = 3};
-    iso_pyramid_options build = iso_pyramid_defaults();
-    OWNED(iso_scene) file;
-    build.level_count = level_count;
-    *s = (scene){0};
-    s->pyramid = sampled_pyramid(&f, ISO_F32, &build);
-    const iso_level *level = &s->pyramid.levels[0];
-    assert_ok(iso_node_levels_create(&s->nodes, level, 8, 4, true, 0, &err));
-    assert_ok(iso_scene_load("refscenes/marschner-lobb.scene.json", &file, &err));
-    file.width = 96, file.height = 80;
-    assert_ok(iso_scene_resolve(&file, &g, level->min, level->max, &s->view, &err));
-    s->iso = level->min + part_of_range * (level->max - level->min);
-    iso_random random = {11};
-    assert_int_equal(iso_brick_count(&s->nodes), sizeof s->levels);
-    for (size_t i = 0; i < sizeof s->levels; ++i)
-        s->levels[i] = (uint8_t)iso_random_below(&random, 4);
+    file->width = 96, file->height = 80;
 }
 
-static void destroy_scene(scene *s)
+static void make_scene(brick_scene *s, size_t level_count)
 {
-    iso_view_destroy(&s->view);
-    iso_node_levels_destroy(&s->nodes);
-    iso_pyramid_destroy(&s->pyramid);
+    make_changed_brick_scene(s, ISO_FIELD_MARSCHNER_LOBB, level_count, enlarge);
+    iso = s->level.min + 0.6 * (s->level.max - s->level.min);
 }
 
 /* Of pixels that both hit, by their largest component; and those that one alone hits. */
-typedef struct difference {
+typedef struct hits {
     double worst, p99;
     size_t hits, apart;
-} difference;
+} hits;
 
 static int ascending(const void *a, const void *b)
 {
@@ -69,9 +39,9 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static difference compare(const iso_image *a, const iso_image *b)
+static hits compare(const iso_image *a, const iso_image *b)
 {
-    difference d = {0};
+    hits d = {0};
     const size_t count = a->width * a->height;
     double *each = calloc(count, sizeof *each);
     assert_non_null(each);
@@ -102,14 +72,14 @@ static difference compare(const iso_image *a, const iso_image *b)
 static const char *const output_names[] = {"color", "position", "normal"};
 
 /* Both renderers on the same field: bricks, or a level of the pyramid. */
-static difference measure(scene *s, const iso_brick_field *bricks, size_t level, iso_surface_output output,
-                          double gl_iso)
+static hits measure(brick_scene *s, const iso_brick_field *bricks, size_t level, iso_surface_output output,
+                    double gl_iso)
 {
     iso_surface surface = {.iso = gl_iso, .output = output};
     iso_reference_options exact = iso_reference_defaults();
     OWNED(iso_image) a, b;
     exact.quadrature = ISO_QUADRATURE_FIRST_HIT;
-    exact.iso = s->iso;
+    exact.iso = iso;
     exact.output = output;
     if (bricks) {
         iso_gl_brick_options opt = iso_gl_brick_defaults();
@@ -123,7 +93,7 @@ static difference measure(scene *s, const iso_brick_field *bricks, size_t level,
         assert_ok(iso_gl_render(gl, &s->pyramid.levels[level], ISO_CODE_SNORM, &s->view, &opt, &a, &err));
         assert_ok(iso_reference_render(&s->pyramid.levels[level], ISO_CODE_SNORM, &s->view, &exact, &b, NULL, &err));
     }
-    difference d = compare(&a, &b);
+    hits d = compare(&a, &b);
     if (getenv("ISOSHADE_TEST_VERBOSE"))
         printf("%s %s: %zu hits, worst %.2e, 99 %% %.2e, %zu apart\n", bricks ? "bricks" : "level",
                output_names[output], d.hits, d.worst, d.p99, d.apart);
@@ -132,36 +102,36 @@ static difference measure(scene *s, const iso_brick_field *bricks, size_t level,
 
 TEST(hits_on_one_texture_are_the_reference_s)
 {
-    ENDED_BY(destroy_scene) scene s;
-    make_scene(&s, ISO_FIELD_MARSCHNER_LOBB, 0.6, 2);
+    ENDED_BY(destroy_brick_scene) brick_scene s;
+    make_scene(&s, 2);
     for (size_t level = 0; level < 2; ++level) {
-        difference d = measure(&s, NULL, level, ISO_SURFACE_POSITION, s.iso);
+        hits d = measure(&s, NULL, level, ISO_SURFACE_POSITION, iso);
         /* Places are floats: 1e-5 voxels, times up to ten where the surface is glancing; more in single pixels. */
         assert_at_most(d.p99, 1e-4);
         assert_at_most(d.worst, 1e-2);
         assert_more_than((double)d.hits, 1000);
         assert_at_most((double)d.apart, 3); /* rays that graze */
-        d = measure(&s, NULL, level, ISO_SURFACE_COLOR, s.iso);
+        d = measure(&s, NULL, level, ISO_SURFACE_COLOR, iso);
         assert_at_most(d.p99, 2e-5);
         assert_at_most(d.worst, 2e-3);
     }
-    assert_at_most(measure(&s, NULL, 0, ISO_SURFACE_NORMAL, s.iso).p99, 1e-4);
+    assert_at_most(measure(&s, NULL, 0, ISO_SURFACE_NORMAL, iso).p99, 1e-4);
     /* A surface a thousandth of the range further is not taken for it. */
     const double range = s.pyramid.levels[0].max - s.pyramid.levels[0].min;
-    assert_more_than(measure(&s, NULL, 0, ISO_SURFACE_POSITION, s.iso + 1e-3 * range).p99, 1e-3);
+    assert_more_than(measure(&s, NULL, 0, ISO_SURFACE_POSITION, iso + 1e-3 * range).p99, 1e-3);
 }
 
 TEST(hits_on_bricks_of_random_levels_are_the_reference_s)
 {
-    ENDED_BY(destroy_scene) scene s;
-    make_scene(&s, ISO_FIELD_MARSCHNER_LOBB, 0.6, 1);
+    ENDED_BY(destroy_brick_scene) brick_scene s;
+    make_scene(&s, 1);
     const iso_brick_field baked = {&s.nodes, s.levels, ISO_FACES_BAKED};
-    difference d = measure(&s, &baked, 0, ISO_SURFACE_POSITION, s.iso);
+    hits d = measure(&s, &baked, 0, ISO_SURFACE_POSITION, iso);
     assert_at_most(d.p99, 2e-4); /* as above; floats of the cache's coordinates besides */
     assert_at_most(d.worst, 1e-2);
     assert_more_than((double)d.hits, 1000);
     assert_at_most((double)d.apart, 3);
-    d = measure(&s, &baked, 0, ISO_SURFACE_NORMAL, s.iso);
+    d = measure(&s, &baked, 0, ISO_SURFACE_NORMAL, iso);
     assert_at_most(d.p99, 2e-4);
 }
 
@@ -195,7 +165,7 @@ TEST(a_sheet_of_one_voxel_has_no_holes)
 /* Two columns of rays, a two-thousandth of a voxel to both sides of a plane where bricks meet: the x axis is stretched,
  * so that pixels are narrow along it alone. Returns the part of the pairs whose places differ by more than `slack`
  * voxels, and the largest difference of normals among the others' in *turn. */
-static double steps_across_faces(const scene *s, iso_node_levels *nodes, iso_brick_faces faces, double slack,
+static double steps_across_faces(const brick_scene *s, iso_node_levels *nodes, iso_brick_faces faces, double slack,
                                  double *turn)
 {
     const iso_brick_field f = {nodes, s->levels, faces};
@@ -209,7 +179,7 @@ static double steps_across_faces(const scene *s, iso_node_levels *nodes, iso_bri
         view.camera = orthographic(iso_geometry_to_world(g, middle), iso_v3(0, 0, -1), iso_v3(0, 1, 0), 28);
         iso_image images[2];
         for (int k = 0; k < 2; ++k) {
-            const iso_surface surface = {.iso = s->iso, .output = k ? ISO_SURFACE_NORMAL : ISO_SURFACE_POSITION};
+            const iso_surface surface = {.iso = iso, .output = k ? ISO_SURFACE_NORMAL : ISO_SURFACE_POSITION};
             iso_gl_brick_options opt = iso_gl_brick_defaults();
             opt.surface = &surface;
             opt.cache_bits = 32;
@@ -236,9 +206,9 @@ static double steps_across_faces(const scene *s, iso_node_levels *nodes, iso_bri
 
 TEST(surfaces_do_not_step_where_bricks_meet)
 {
-    ENDED_BY(destroy_scene) scene s;
+    ENDED_BY(destroy_brick_scene) brick_scene s;
     OWNED(iso_node_levels) nodes;
-    make_scene(&s, ISO_FIELD_MARSCHNER_LOBB, 0.6, 1);
+    make_scene(&s, 1);
     iso_level level = s.pyramid.levels[0];
     level.geometry.index_to_world = (iso_mat3){{{1000, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     assert_ok(iso_node_levels_create(&nodes, &level, 8, 4, true, 0, &err));

@@ -4,6 +4,7 @@
 #include "validate/closed_form.h"
 #include "lab/faults.h"
 #include "validate/validate.h"
+#include "difference.h"
 #include "sampled.h"
 #include "volume/synthetic.h"
 
@@ -70,13 +71,6 @@ static iso_image reference(const subject *s)
     return image;
 }
 
-static double largest_difference(const iso_image *a, const iso_image *b)
-{
-    iso_metrics m;
-    assert_ok(iso_metrics_measure(a, b, &m, &err));
-    return m.max_abs;
-}
-
 /* The verdict that validation gives, and the gate that failed first ("" for the limit itself). */
 static iso_verdict judge(const subject *s, const iso_image *truth, const iso_renderer_info *which, bool sharp,
                          char gate[64])
@@ -102,7 +96,7 @@ static double off_the_formula(const subject *s, const subject *rendered)
 {
     OWNED(iso_image) formula, image = reference(rendered);
     assert_ok(iso_closed_form_render(&s->pyramid.levels[0], s->pyramid.options.code, &s->view, &formula, &err));
-    double off = largest_difference(&formula, &image);
+    double off = difference_of(&formula, &image).max_abs;
     return off;
 }
 
@@ -350,11 +344,11 @@ TEST(a_limit_is_made_again_from_what_is_said_of_it)
         opt.step_voxels = found.step_voxels, opt.planes = found.planes, opt.intervals = found.intervals;
         assert_ok(iso_limit_render(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, which[i],
                                    &opt, &again, &err));
-        assert_within(largest_difference(&found.image, &again), 0, 0);
+        assert_within(difference_of(&found.image, &again).max_abs, 0, 0);
         opt.step_voxels /= 2, opt.intervals = 2 * ((opt.intervals + 2) / 3);
         assert_ok(iso_limit_render(&(iso_render_request){&renderers, &s.pyramid, 0, &s.view, NULL, NULL}, which[i],
                                    &opt, &other, &err));
-        assert_more_than(largest_difference(&found.image, &other), 1e-4); /* another step is another limit */
+        assert_more_than(difference_of(&found.image, &other).max_abs, 1e-4); /* another step is another limit */
     }
 }
 

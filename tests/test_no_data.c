@@ -2,6 +2,7 @@
 /* Voxels without data: a ramp beside a half space of NaN. Values, gradients, means of levels, histograms and pictures
  * are those of the other half, up to the last voxel center that has data. */
 #define _GNU_SOURCE
+#include "difference.h"
 #include "rendered.h"
 #include "test.h"
 
@@ -142,7 +143,7 @@ static double mean_of_children(size_t k, size_t x, size_t y, size_t z)
         size_t in[3];
         for (int a = 0; a < 3; ++a)
             in[a] = at[a] < n[a] ? at[a] : n[a] - 1;
-        const double value = k > 1            ? mean_of_children(k - 1, in[0], in[1], in[2])
+        const double value = k > 1             ? mean_of_children(k - 1, in[0], in[1], in[2])
                              : is_there(in[0]) ? ramp(in[0], in[1], in[2])
                                                : (double)NAN;
         sum += isnan(value) ? 0 : value;
@@ -304,7 +305,7 @@ TEST_BETWEEN(levels_are_as_opaque_as_their_share_with_data, open_gl, close_gl)
     assert_ok(iso_view_take_level(&view, &p, 1, &found, &err));
     assert_true(!found && view.extinction_scale);
     const double wanted = 1 - pow(0.9, 0.5 * NX);
-    assert_more_than(fabs(1 - pow(0.9, NX) - wanted), 0.2); /* the planted fault: no share */
+    assert_more_than(fabs(1 - pow(0.9, NX) - wanted), 0.2);                  /* the planted fault: no share */
     assert_within(level_alpha(&p, 1, &view, REFERENCE, true), wanted, 5e-6); /* the reference's tolerance */
     for (caster with = REFERENCE; with <= OPENGL; ++with) /* even extinction: samples are exact, rounding of floats */
         assert_within(level_alpha(&p, 1, &view, with, false), wanted, 5e-6);
@@ -321,10 +322,8 @@ TEST_BETWEEN(differences_on_the_fly_are_one_sided, open_gl, close_gl)
     OWNED(iso_image) wanted = draw(l, p.options.code, &view, REFERENCE, false, ISO_FROM_ON_THE_FLY);
     for (caster with = CPU; with <= OPENGL; ++with) {
         OWNED(iso_image) seen = draw(l, p.options.code, &view, with, false, ISO_FROM_ON_THE_FLY);
-        double most = 0;
-        for (size_t i = 0; i < 4 * seen.width * seen.height; ++i)
-            most = fmax(most, fabs((double)seen.rgba[i] - (double)wanted.rgba[i]));
-        assert_within(most, 0, 1e-5); /* floats; differences to the value that stands for no data are .05 off */
+        assert_at_most(difference_of(&seen, &wanted).max_abs,
+                       1e-5); /* floats; differences to the value that stands for no data are .05 off */
     }
 }
 

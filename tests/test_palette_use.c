@@ -73,7 +73,8 @@ TEST(lookup_finds_the_nearest_entry)
 TEST(bytes_and_words_agree_and_decode)
 {
     enum { N = 1000 };
-    FREED float *v = ellipsoid(N), decoded[3 * N];
+    FREED float *v = ellipsoid(N);
+    float decoded[3 * N];
     uint16_t wide[N];
     uint8_t narrow[N];
     v[3 * 5] = NAN;

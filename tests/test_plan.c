@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The plan: what is hidden is left out, what is coarse stays within the error, more error means less model. */
+#include "difference.h"
 #include "test.h"
 
 #include "brick/pack.h"
@@ -56,15 +57,6 @@ static iso_image render(const iso_brick_field *f, const iso_view *view)
     return image;
 }
 
-static double rmse(const iso_image *a, const iso_image *b)
-{
-    double sum = 0;
-    size_t count = 4 * a->width * a->height;
-    for (size_t i = 0; i < count; ++i)
-        sum += pow((double)a->rgba[i] - (double)b->rgba[i], 2);
-    return sqrt(sum / (double)count);
-}
-
 /* The prediction knows nothing of cancellation along rays nor of baked faces: the measured error is within a factor
  * of four of it here, which the command's verification makes good. */
 TEST(prediction_bounds_the_model_and_is_near_the_measured_error)
@@ -80,7 +72,7 @@ TEST(prediction_bounds_the_model_and_is_near_the_measured_error)
     for (size_t i = 0; i < 5; ++i) {
         double predicted = iso_plan_choose(&p, &s.nodes, wanted[i]);
         OWNED(iso_image) image = render(&f, &s.view);
-        double measured = rmse(&image, &full);
+        double measured = difference_of(&image, &full).rmse;
         assert_at_most(predicted, wanted[i]);
         assert_true(nodes_of(&p, &s.nodes) <= last);
         if (getenv("ISOSHADE_TEST_VERBOSE"))
@@ -91,7 +83,7 @@ TEST(prediction_bounds_the_model_and_is_near_the_measured_error)
     }
     memset(p.levels, 2, p.brick_count); /* all coarse: such a model must be rejected */
     OWNED(iso_image) coarse = render(&f, &s.view);
-    assert_more_than(rmse(&coarse, &full), 0.02);
+    assert_more_than(difference_of(&coarse, &full).rmse, 0.02);
 }
 
 /* Wherever it is: of no voxel the plan may think that coarse bricks, which lose it, have it. */
@@ -103,7 +95,8 @@ TEST(a_voxel_alone_is_not_overlooked)
     assert_ok(iso_scene_load("refscenes/shells.scene.json", &file, &err));
     file.width = file.height = 24;
     for (size_t at = middle; at < middle + 4; ++at) {
-        iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}), .scalar = scalar,
+        iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}),
+                           .scalar = scalar,
                            .max = 1};
         ENDED_BY(destroy_scene) scene s = {0};
         OWNED(iso_plan_errors) p;
@@ -148,7 +141,7 @@ TEST(values_visible_only_between_voxels_are_not_overlooked)
     OWNED(iso_image) full = render(&f, &s.view);
     p.levels[0] = 1;
     OWNED(iso_image) coarse = render(&f, &s.view);
-    assert_more_than(rmse(&coarse, &full), 0.01); /* a model that must be rejected */
+    assert_more_than(difference_of(&coarse, &full).rmse, 0.01); /* a model that must be rejected */
     iso_plan_choose(&p, &s.nodes, 1e-3);
     assert_int_equal(p.levels[0], 0);
 }

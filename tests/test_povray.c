@@ -48,7 +48,7 @@ TEST(lock_step_agrees_from_inside_the_volume)
 TEST(lock_step_agrees_with_planes)
 {
     ENDED_BY(end_comparison) comparison c = lock_step(0, false, 256);
-    double rmse, most;
+    double most;
     iso_image wanted;
     iso_reference_options opt = iso_reference_defaults();
     c.options.planes = 3;
@@ -58,7 +58,7 @@ TEST(lock_step_agrees_with_planes)
     render_povray(&c.pyramid, c.level, &c.view, &c.options, &c.image);
     for (opt.planes = 2; opt.planes <= 3; ++opt.planes) {
         assert_ok(iso_reference_render(&c.pyramid.levels[0], ISO_CODE_SNORM, &c.view, &opt, &wanted, NULL, &err));
-        most = largest_difference(&c.image, &wanted, &rmse);
+        most = difference_of(&c.image, &wanted).max_abs;
         if (opt.planes == 3)
             assert_at_most(most, lock_step_max);
         else
@@ -79,7 +79,7 @@ TEST(lock_step_agrees_with_float_directions)
     double rmse;
     render_povray(&c.pyramid, c.level, &c.view, &c.options, &c.image);
     assert_ok(iso_reference_render(&c.pyramid.levels[1], ISO_CODE_SNORM, &c.view, &opt, &wanted, NULL, &err));
-    assert_at_most(largest_difference(&c.image, &wanted, &rmse), lock_step_max);
+    assert_at_most(difference_of(&c.image, &wanted).max_abs, lock_step_max);
     /* Their own reference, not the codes': half a code step turns a direction by .2 degrees. */
     assert_more_than(compare(&c, &rmse), 10 * lock_step_max);
 }
@@ -213,19 +213,19 @@ TEST(halving_the_intervals_quarters_the_error_and_the_limit_lies_within_its_bars
     for (size_t i = 0; i < 3; ++i) {
         c.options.intervals = (size_t)30 << i;
         render_povray(&c.pyramid, c.level, &c.view, &c.options, &images[i]);
-        largest_difference(&images[i], &reference, &error[i]);
+        error[i] = difference_of(&images[i], &reference).rmse;
     }
     assert_ok(iso_richardson(&images[1], &images[2], 2, 2, &limit, &bar, &err));
     /* Second order; where cells' borders fall between the samples is chance, and scatters it. */
     assert_within(log2(error[0] / error[1]), 2, 0.5);
     assert_within(log2(error[1] / error[2]), 2, 0.5);
     /* Independent errors e and 4 e of the two finest would leave 1.9 e in the limit, at a bar of 1.4 e. */
-    largest_difference(&limit, &reference, &limit_error);
+    limit_error = difference_of(&limit, &reference).rmse;
     assert_at_most(limit_error, 2 * bar.error_bar + 1e-5);
     iso_image_destroy(&reference);
     plant_half_voxel_shift(&c);
     render_reference(&c.pyramid, 1, &c.view, c.quadrature, 1, 0, &reference);
-    largest_difference(&limit, &reference, &limit_error);
+    limit_error = difference_of(&limit, &reference).rmse;
     assert_more_than(limit_error, 2 * bar.error_bar + 1e-5);
     iso_image_destroy(&reference);
     for (size_t i = 0; i < 3; ++i)

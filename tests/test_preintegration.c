@@ -2,6 +2,7 @@
 /* test_preintegration.c - means of a transfer function: against sums, against closed forms, and in both ray casters. */
 #include "render/gl/raycaster.h"
 #include "render/reference.h"
+#include "difference.h"
 #include "sampled.h"
 #include "tf/integral.h"
 #include "volume/synthetic.h"
@@ -127,14 +128,6 @@ TEST(a_shell_thinner_than_a_step_keeps_its_opacity)
 
 /* ---- the ray caster ------------------------------------------------------------------------------------------------- */
 
-static double worst_difference(const iso_image *a, const iso_image *b)
-{
-    double worst = 0;
-    for (size_t i = 0; i < 4 * a->width * a->height; ++i)
-        worst = fmax(worst, fabs((double)a->rgba[i] - (double)b->rgba[i]));
-    return worst;
-}
-
 typedef struct scene_of_field {
     iso_pyramid pyramid;
     iso_view view;
@@ -201,9 +194,9 @@ TEST(the_ray_caster_agrees_with_the_reference)
                         midpoint = render_gl(gl, &s, k, false, ISO_GL_SKIP_NEVER, step);
                 assert_ok(iso_reference_render(&s.pyramid.levels[k], s.pyramid.options.code, &s.view, &opt, &wanted,
                                                NULL, &err));
-                assert_at_most(worst_difference(&wanted, &dense), 5e-5);
-                assert_at_most(worst_difference(&wanted, &sparse), 5e-5);
-                assert_more_than(worst_difference(&wanted, &midpoint), 1e-3);
+                assert_at_most(difference_of(&wanted, &dense).max_abs, 5e-5);
+                assert_at_most(difference_of(&wanted, &sparse).max_abs, 5e-5);
+                assert_more_than(difference_of(&wanted, &midpoint).max_abs, 1e-3);
             }
     }
     iso_gl_destroy(gl);

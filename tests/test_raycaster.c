@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The ray caster against the reference with the same sampling. Sizes and spacings are unequal, the grid is rotated. */
 #define _POSIX_C_SOURCE 200809L
+#include "difference.h"
 #include "sampled.h"
 #include "gl.h"
 
@@ -19,18 +20,6 @@
 #define RMSE 1e-6
 
 /* ---- a volume, a view ------------------------------------------------------- */
-
-static iso_geometry rotated_geometry(void)
-{
-    /* Columns: a rotation by unequal angles round z, then x; spacings 1, 0.8, 1.7. */
-    const double c = cos(0.5), s = sin(0.5), d = cos(0.3), e = sin(0.3), h[3] = {1, 0.8, 1.7};
-    const double rotation[3][3] = {{c, -s, 0}, {d * s, d * c, -e}, {e * s, e * c, d}};
-    iso_geometry g = {.size = {40, 56, 33}, .origin_mm = {-17, 5, 40}, .box_index = {40, 56, 33}};
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            g.index_to_world.m[row][column] = rotation[row][column] * h[column];
-    return g;
-}
 
 /* A curved, asymmetric field in [0, 1] with gradients in all directions. */
 static double field(double x, double y, double z)
@@ -57,7 +46,7 @@ static void fill(iso_volume *v)
 
 static iso_pyramid make_pyramid(iso_type type, iso_code code)
 {
-    iso_geometry g = rotated_geometry();
+    iso_geometry g = rotated_geometry(40, 56, 33);
     OWNED(iso_volume) v;
     iso_pyramid p;
     iso_pyramid_options opt = iso_pyramid_defaults();
@@ -118,24 +107,6 @@ static iso_view make_view(view_kind kind, const iso_level *level0)
 
 /* ---- differences ------------------------------------------------------------ */
 
-typedef struct difference {
-    double max_abs, rmse;
-} difference;
-
-static difference compare(const iso_image *a, const iso_image *b)
-{
-    difference d = {0, 0};
-    size_t count = 4 * a->width * a->height;
-    for (size_t i = 0; i < count; ++i) {
-        double e = fabs((double)a->rgba[i] - (double)b->rgba[i]);
-        if (!(e <= d.max_abs)) /* NaN sticks */
-            d.max_abs = e;
-        d.rmse += e * e;
-    }
-    d.rmse = sqrt(d.rmse / (double)count);
-    return d;
-}
-
 static iso_image render_gl(const iso_level *level, iso_code code, const iso_view *view, iso_direction_source source)
 {
     iso_image image;
@@ -160,7 +131,7 @@ static void check_agreement(const iso_level *level, iso_code code, const iso_vie
                             const char *what)
 {
     OWNED(iso_image) a = render_gl(level, code, view, source), b = render_reference(level, code, view, source);
-    difference d = compare(&a, &b);
+    difference d = difference_of(&a, &b);
     if (!(d.max_abs <= MAX_ABS && d.rmse <= RMSE))
         fail_msg("%s: max_abs %g, limit %g; rmse %g, limit %g", what, d.max_abs, MAX_ABS, d.rmse, RMSE);
     if (getenv("ISOSHADE_TEST_VERBOSE"))
@@ -223,7 +194,7 @@ TEST(exact_lookups_leave_out_what_texture_coordinates_round)
             OWNED(iso_image) wanted = render_reference(&p.levels[k], ISO_CODE_SNORM, &view, sources[i]);
             OWNED(iso_image) exact = render_exactly(&p.levels[k], &view, sources[i]);
             OWNED(iso_image) filtered = render_gl(&p.levels[k], ISO_CODE_SNORM, &view, sources[i]);
-            difference of_exact = compare(&exact, &wanted), of_filtered = compare(&filtered, &wanted);
+            difference of_exact = difference_of(&exact, &wanted), of_filtered = difference_of(&filtered, &wanted);
             if (getenv("ISOSHADE_TEST_VERBOSE"))
                 printf("level %zu, %s: exact %.2e %.2e, filtered %.2e %.2e\n", k, iso_direction_source_name(sources[i]),
                        of_exact.max_abs, of_exact.rmse, of_filtered.max_abs, of_filtered.rmse);
@@ -242,7 +213,7 @@ TEST(exact_lookups_leave_out_what_texture_coordinates_round)
 /* Between the faces of a plate nearly every point turns some of its eight directions. */
 TEST(the_flipped_fetch_of_a_plate_agrees_with_the_reference)
 {
-    iso_field f = {.kind = ISO_FIELD_PLATE, .geometry = rotated_geometry()};
+    iso_field f = {.kind = ISO_FIELD_PLATE, .geometry = rotated_geometry(40, 56, 33)};
     iso_pyramid_options opt = iso_pyramid_defaults();
     OWNED(iso_pyramid) p = sampled_pyramid(&f, ISO_F32, &opt);
     OWNED(iso_view) view = make_view(PERSPECTIVE, &p.levels[0]);
@@ -250,7 +221,7 @@ TEST(the_flipped_fetch_of_a_plate_agrees_with_the_reference)
         check_agreement(&p.levels[k], opt.code, &view, ISO_FROM_FLIPPED, k ? "plate, level 1" : "plate");
     OWNED(iso_image) flipped = render_gl(&p.levels[0], opt.code, &view, ISO_FROM_FLIPPED);
     OWNED(iso_image) plain = render_reference(&p.levels[0], opt.code, &view, ISO_FROM_CODES);
-    assert_more_than(compare(&flipped, &plain).rmse, 100 * RMSE); /* the planted fault: the plain fetch */
+    assert_more_than(difference_of(&flipped, &plain).rmse, 100 * RMSE); /* the planted fault: the plain fetch */
 }
 
 TEST(every_stored_type_and_camera_agrees_with_the_reference)
@@ -280,7 +251,7 @@ VALUES_TEST(every_reference_scene_agrees_at_every_level)
                  {"refscenes/shells.scene.json", ISO_FIELD_SHELLS, ISO_F32},
                  {"refscenes/shells.scene.json", ISO_FIELD_NOISE, ISO_U8}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        iso_field f = {.kind = cases[i].kind, .geometry = rotated_geometry(), .seed = 1};
+        iso_field f = {.kind = cases[i].kind, .geometry = rotated_geometry(40, 56, 33), .seed = 1};
         OWNED(iso_scene) scene;
         OWNED(iso_view) view;
         iso_pyramid_options opt = iso_pyramid_defaults();
@@ -343,7 +314,7 @@ TEST(leaving_out_empty_bricks_changes_nothing)
             opt.skip = ISO_GL_SKIP_ALWAYS;
             for (opt.brick_voxels = 1; opt.brick_voxels <= 16; opt.brick_voxels += 5) {
                 assert_ok(iso_gl_render(gl, &p.levels[k], ISO_CODE_SNORM, &view, &opt, &skipping, &err));
-                assert_at_most(compare(&plain, &skipping).max_abs, 1e-6);
+                assert_at_most(difference_of(&plain, &skipping).max_abs, 1e-6);
                 iso_image_destroy(&skipping);
             }
             iso_image_destroy(&plain);
@@ -356,7 +327,7 @@ static void rejects(const iso_level *right, const iso_level *wrong, const iso_vi
 {
     OWNED(iso_image) a = render_gl(wrong, ISO_CODE_SNORM, wrong_view, ISO_FROM_CODES);
     OWNED(iso_image) b = render_reference(right, ISO_CODE_SNORM, right_view, ISO_FROM_CODES);
-    difference d = compare(&a, &b);
+    difference d = difference_of(&a, &b);
     if (!(d.max_abs > MAX_ABS && d.rmse > RMSE))
         fail_msg("%s passes: max_abs %g, rmse %g", what, d.max_abs, d.rmse);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* test_reference.c - the reference against closed forms. */
 #include "render/reference.h"
+#include "difference.h"
 #include "test.h"
 
 #define PI 3.14159265358979323846
@@ -205,14 +206,6 @@ TEST(a_sphere_converges_with_the_square_of_the_spacing)
     assert_within(coarse / fine, 4, 0.6); /* the order is 2; the ray's phase in the cells differs */
 }
 
-static double image_difference(const iso_image *a, const iso_image *b)
-{
-    double worst = 0;
-    for (size_t i = 0; i < 4 * a->width * a->height; ++i)
-        worst = fmax(worst, fabs((double)a->rgba[i] - (double)b->rgba[i]));
-    return worst;
-}
-
 TEST(stepping_quadratures_converge_to_the_converged_one)
 {
     const float entries[8] = {0, 0.2f, 1, 0, 1, 0.2f, 0, 2};
@@ -231,8 +224,8 @@ TEST(stepping_quadratures_converge_to_the_converged_one)
         opt.quadrature = ISO_QUADRATURE_POVRAY;
         opt.intervals = fine ? 160 : 80;
         OWNED(iso_image) b = render(&level, &view, &opt);
-        error[0][fine] = image_difference(&a, &exact);
-        error[1][fine] = image_difference(&b, &exact);
+        error[0][fine] = difference_of(&a, &exact).max_abs;
+        error[1][fine] = difference_of(&b, &exact).max_abs;
     }
     for (int q = 0; q < 2; ++q) {
         assert_at_most(error[q][1], 1e-3);

@@ -23,14 +23,7 @@
 
 static iso_pyramid noise_pyramid(iso_code code)
 {
-    const double c = cos(0.5), s = sin(0.5), d = cos(0.3), e = sin(0.3), h[3] = {1, 0.8, 1.7};
-    const double rotation[3][3] = {{c, -s, 0}, {d * s, d * c, -e}, {e * s, e * c, d}};
-    iso_field field = {.kind = ISO_FIELD_NOISE,
-                       .geometry = {.size = {22, 27, 17}, .origin_mm = {-17, 5, 40}, .box_index = {22, 27, 17}},
-                       .seed = 3};
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            field.geometry.index_to_world.m[row][column] = rotation[row][column] * h[column];
+    const iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = rotated_geometry(22, 27, 17), .seed = 3};
     iso_pyramid_options opt = iso_pyramid_defaults();
     opt.level_count = 2;
     opt.code = code;

@@ -18,20 +18,9 @@
 #define POVRAY_MAX_ABS 2e-5
 #define CYCLES_RMSE 4e-4
 
-static iso_geometry rotated_geometry(void)
-{
-    const double c = cos(0.5), s = sin(0.5), d = cos(0.3), e = sin(0.3), h[3] = {1, 0.8, 1.7};
-    const double rotation[3][3] = {{c, -s, 0}, {d * s, d * c, -e}, {e * s, e * c, d}};
-    iso_geometry g = {.size = {22, 27, 17}, .origin_mm = {-17, 5, 40}, .box_index = {22, 27, 17}};
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            g.index_to_world.m[row][column] = rotation[row][column] * h[column];
-    return g;
-}
-
 static iso_pyramid noise_pyramid(void)
 {
-    const iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = rotated_geometry(), .seed = 3};
+    const iso_field field = {.kind = ISO_FIELD_NOISE, .geometry = rotated_geometry(22, 27, 17), .seed = 3};
     return build_field(&field, 2);
 }
 

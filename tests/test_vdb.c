@@ -141,7 +141,8 @@ TEST(a_left_handed_grid_is_stored_right_handed)
     const iso_level *l = &p.levels[1];
     const size_t *n = l->geometry.size, first = opt.pad_voxels + 1, wide[3] = {n[0] + first, n[1] + first, n[2] + first};
     const size_t voxels = iso_geometry_voxel_count(&l->geometry), all = wide[0] * wide[1] * wide[2];
-    FREED float *density = malloc(all * sizeof *density), *gradient = malloc(3 * all * sizeof *gradient), d[3];
+    FREED float *density = malloc(all * sizeof *density), *gradient = malloc(3 * all * sizeof *gradient);
+    float d[3];
     assert_true(iso_vdb_reverses_x(&l->geometry));
     assert_ok(iso_vdb_save(&p, 1, 1, f->path, &opt, NULL, &err));
     assert_ok(iso_vdb_load_grid(f->path, "density", 1, wide, density, &back, &err));

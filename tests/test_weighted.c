@@ -76,7 +76,8 @@ static void residual_of(const dense *s, size_t c, const double *x, double *resid
 static void iterate(const dense *s, size_t c, size_t rounds, double *x)
 {
     const double middle = (1 + least) / 2, half = (1 - least) / 2, sigma = middle / half;
-    FREED double *residual = malloc(s->m * sizeof *residual), *step = calloc(s->m, sizeof *step), rho = 1 / sigma;
+    FREED double *residual = malloc(s->m * sizeof *residual), *step = calloc(s->m, sizeof *step);
+    double rho = 1 / sigma;
     memset(x, 0, s->m * sizeof *x);
     for (size_t round = 0; round <= rounds; ++round) {
         const double next = 1 / (2 * sigma - rho);
