@@ -374,7 +374,7 @@ vdb_cc := $(wildcard src/volume/vdb/*.cc)
 itk_flags := -isystem /usr/include/$(itk) $(addprefix -isystem ,$(lastword $(wildcard /usr/include/gdcm-*)))
 arrays_flags = $(patsubst -I%,-isystem %,$(shell $(PKG_CONFIG) --cflags $(array_pkgs)))
 vdb_flags = $(pkg_cflags)
-itk_libs := $(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmMSFF -lgdcmDSED -lgdcmCommon -lz
+itk_libs := $(foreach part,$(itk_parts),-lITK$(part)$(itk:ITK%=%)) -lgdcmMSFF -lgdcmDSED -lgdcmCommon -ltiff -lz
 arrays_libs = $(shell $(PKG_CONFIG) --libs $(array_pkgs)) $(hdf5_hl)
 vdb_libs = $(openvdb_libs)
 # A reader that is linked into a fuzzing program gets the config's own flags, unless the config is release.

@@ -34,6 +34,8 @@ def cube():
     refused("cut.cube", 4, "truncated before the values")
     with open(f"{FILES}/phantom.cube", encoding="ascii") as file:
         lines = file.readlines()
+    shutil.copy(f"{FILES}/phantom.cube", "PHANTOM.CUBE")
+    expect(run("info", "PHANTOM.CUBE").returncode == 0, "a name in capitals")
     with open("angstrom.cube", "w", encoding="ascii") as file:
         file.writelines([*lines[:3], *(line.replace("    ", "   -", 1) for line in lines[3:6]), *lines[6:]])
     bohr = 0.529177210903
@@ -126,6 +128,16 @@ def hdf5():
     expect(got.returncode == 0 and json.loads(got.stdout)["max"] == 7, got.stderr)
     refused("sparse.h5:void", 4, "its chunks have 0 bytes, each of which can hold 131072 of samples",
             ["--spacing", "1"])
+    with h5py.File("version7.3.mat", "w", userblock_size=512) as file:
+        file["v"] = values
+    with open("version7.3.mat", "r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(128))
+    same("version7.3.mat", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])
+    whole = h5py.VirtualLayout(values.shape, values.dtype)
+    whole[:] = h5py.VirtualSource("version7.3.mat", "v", values.shape)
+    with h5py.File("virtual.h5", "w", libver="latest") as file:
+        file.create_virtual_dataset("v", whole)
+    refused("virtual.h5", 4, "virtual: its samples are in other files", ["--spacing", "1"])
     values.tofile("plain.raw")
     with open("plain.h5", "wb") as file:
         file.write(b"\x89HDF\r\n\x1a\n" + values.tobytes())
@@ -344,6 +356,12 @@ def ome_zarr():
         group.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": [
             {"path": str(k), "coordinateTransformations": scale} for k in (0, 1)]}]
         same("phantom.zarr", values, np.diag(SPACING) / 1000, FIRST / 1000, False, unit="um")
+    zarr_group("converted.zarr").attrs["bioformats2raw.layout"] = 3
+    shutil.copytree("phantom.zarr", "converted.zarr/0")
+    same("converted.zarr", values, np.diag(SPACING) / 1000, FIRST / 1000, False, unit="um")
+    shutil.copytree("phantom.zarr", "converted.zarr/1")
+    refused("converted.zarr", 2, "FILE:DATASET must name one of: 0/0 (11 x 13 x 7 x 1), 0/1")
+    same("converted.zarr:1/0", values, np.diag(SPACING) / 1000, FIRST / 1000, False, unit="um")
     refused("phantom.zarr:2", 2, 'has no dataset "2" of three axes, FILE:DATASET must name one of: 0 (11 x 13 x 7 x 1), 1 (6 x 7 x 4 x 1)')
     expect(load("phantom.zarr:1")[0].shape == (4, 7, 6), "the other level is of another size")
     same("phantom.zarr/0", values, np.diag(SPACING), None, False, ["--spacing", "0.75x0.5x2.5"])

@@ -290,6 +290,11 @@ def nifti():
         same(f"nibabel.{suffix}", phantom(), unit="mm", tolerance=1e-5)
         cut(f"nibabel.{suffix}", f"cut.{suffix}")
         refused(f"cut.{suffix}", 4, "cut.nii")
+    nibabel.save(nibabel.Nifti1Pair(phantom().T, affine), "capitals.hdr")
+    for ending in "hdr", "img":
+        os.replace(f"capitals.{ending}", f"CAPITALS.{ending.upper()}")
+    for ending in "HDR", "IMG":
+        same(f"CAPITALS.{ending}", phantom(), tolerance=1e-5)
     image = nibabel.Nifti1Image(phantom().T, affine)
     image.header.set_slope_inter(0.5, -3)
     nibabel.save(image, "scaled.nii")

@@ -83,6 +83,9 @@ def pictures_of_colors():
     vtk_write(vtk.vtkPNGWriter(), vtk_image(red[:1, :5].copy()), "of_grays/overview.png")
     got = run("info", "of_grays", *say)
     expect(got.returncode == 0 and "11 x 13 x 7" in got.stdout and "of_grays/overview.png is left out" in got.stderr, got.stderr)
+    vtk_write(vtk.vtkPNGWriter(), vtk_image(red[:1].copy()), "of_grays/overview.png")  # of the slices' size
+    got = run("info", "of_grays", *say)
+    expect(got.returncode == 0 and "11 x 13 x 7" in got.stdout and "of_grays/overview.png is left out" in got.stderr, got.stderr)
     os.remove("of_grays/slice10.png")
     refused("of_grays", 4, "number 10 is missing between slice9.png and slice11.png", say)
 
@@ -115,6 +118,17 @@ def tiff_and_jpeg_stacks():
         with open(f"{folder}/{last}", "wb") as file:
             file.write(b"nothing of the kind")
         refused(folder, 4, last, ["--spacing", "1"])
+    for number, dtype in enumerate(("i1", "u2", "i2", "u4", "i4", "u8", "i8", "f2", "f4", "f8")):
+        values = (np.round(phantom(np.float32)) % 97).astype(dtype)
+        for k, pixels in enumerate(values):
+            tifffile.imwrite(f"tiffs/slice{9 + k}.tif", pixels.astype(pixels.dtype.newbyteorder("<>"[number % 2])),
+                             photometric="minisblack", byteorder="<>"[number % 2],
+                             **({"tile": (16, 16)}, {"rowsperstrip": 4, "compression": "zlib"}, {})[number % 3])
+        same("tiffs", values if values.itemsize <= 2 and dtype != "f2" else values.astype(np.float32), np.diag(SPACING),
+             None, False, ["--spacing", "0.75x0.5x2.5"])
+    cut("tiffs/slice9.tif", "short", 0.7)
+    os.replace("short", "tiffs/slice9.tif")
+    refused("tiffs", 4, "slice9.tif", ["--spacing", "1"])
 
 
 # ---- VTK's legacy files ----
@@ -138,6 +152,17 @@ def vtk_legacy():
             cut("legacy.vtk", "cut.vtk")
             refused("cut.vtk", 4, "truncated")
     same("legacy.vtk", wanted, np.diag(SPACING) * 1e-6, np.array([1, 2, 3]) * 1e-6, False, ["--unit", "nm"], "nm")
+    for text, kind in itertools.product((False, True), ("fields", "vectors")):  # as ParaView saves arrays
+        image = vtk_image(values, np.diag(SPACING), [1, 2, 3])
+        image.GetPointData().Initialize()
+        one = vtk_array(np.stack([values.ravel(), values.ravel() + 1, values.ravel() + 2], -1))
+        one.SetName("velocity")
+        (image.GetPointData().SetVectors if kind == "vectors" else image.GetPointData().AddArray)(one)
+        image.GetFieldData().AddArray(vtk_array(np.arange(2.0)))
+        writer = vtk.vtkStructuredPointsWriter()
+        (writer.SetFileTypeToASCII if text else writer.SetFileTypeToBinary)()
+        vtk_write(writer, image, "fields.vtk")
+        same("fields.vtk", np.round(values + 2, 3) if text else values + 2, np.diag(SPACING), [1, 2, 3], False, ["--channel", "2"])
     for text, dtype in itertools.product((False, True), (np.int16, np.float32)):
         values = np.round(phantom(dtype))
         grid = vtk.vtkRectilinearGrid()

@@ -47,11 +47,11 @@ def mgh():
 @case
 def fits():
     from astropy.io import fits as astro
-    for dtype in "u1", "i2", "i4", "i8", "f4", "f8":
+    for dtype in "u1", "i2", "i4", "i8", "u8", "f4", "f8":
         values = values_of(dtype)
         astro.PrimaryHDU(values).writeto("p.fits", overwrite=True)
         check("p.fits", values, None, SAY, dtype)
-    refused("p.fits", 4, "does not state the spacing of its voxels in a unit of length (its axes have: , , )")
+    refused("p.fits", 4, "does not state the spacing of its voxels in a unit of length (its axes have: none, none, none)")
     image = astro.PrimaryHDU(values_of("u2"))  # which FITS stores as int16 and an offset
     for axis, unit in enumerate(("mm", "um", "mm"), 1):
         image.header[f"CUNIT{axis}"] = unit
@@ -61,6 +61,19 @@ def fits():
     check("p.fits", values_of("u2").astype(np.float32), None, (), "scaled")
     lines = {line.split()[0]: line for line in run("info", "p.fits").stdout.splitlines() if line.startswith("  ")}
     expect(lines["corner"].split()[1:3] == [f"{5 - 1.5 * PLAIN[0]:g},", f"{5e-3 - 1.5 * PLAIN[1]:g},"], lines["corner"])
+    turn = np.array([[0, -2e-3, 0], [3e-3, 0, 0], [0, 0, 5e-3]])  # mm
+    for matrix in "CD", "PC":
+        image = astro.PrimaryHDU(values_of("i2"))
+        for i in range(1, 4):
+            image.header[f"CUNIT{i}"] = "um"
+            if matrix == "PC":
+                image.header[f"CDELT{i}"] = 2.0
+        for i, j in zip(*np.nonzero(turn)):
+            image.header[f"{matrix}{i + 1}_{j + 1}"] = turn[i, j] * 1e3 / (2 if matrix == "PC" else 1)
+        if matrix == "PC":
+            image.header["PC1_1"] = image.header["PC2_2"] = 0.0
+        image.writeto("turn.fits", overwrite=True)
+        check("turn.fits", values_of("i2"), turn, (), matrix)
     radio = astro.PrimaryHDU(values_of("f4")[:, None])  # a Stokes axis of one sample before the last
     for axis, unit in enumerate(("deg", "deg", "", "Hz"), 1):
         radio.header[f"CUNIT{axis}"] = unit
@@ -72,7 +85,7 @@ def fits():
              astro.ImageHDU(np.zeros((3, 3), "f4"), name="FLAT")]
     astro.HDUList(parts).writeto("m.fits", overwrite=True)
     refused("m.fits", 2, "holds several images of three axes, FILE:PART must be one of: 1 TIMES, 2 SCI", SAY)
-    refused("m.fits:3", 2, "has no such image of three axes", SAY)
+    refused("m.fits:3", 2, "has no such image of three axes, FILE:PART must be one of: 1 TIMES, 2 SCI", SAY)
     check("m.fits:sci", values_of("f4"), None, SAY, "part")
     check("m.fits:1", times[1], None, [*SAY, "--frame", "1"], "frame")
     astro.HDUList([astro.PrimaryHDU(), astro.CompImageHDU(values_of("i2"))]).writeto("c.fits", overwrite=True)
@@ -147,7 +160,7 @@ def write_mif(path, values, layout, datatype, matrix=None, separate=False):
             f"datatype: {datatype}\n" + "".join(f"transform: {row}\n" for row in rows))
     with open(path, "wb") as file:
         if separate:
-            file.write((head + "file: beside.dat 7\nEND\n").encode())
+            file.write((head + "file: beside.dat 7\n").encode())  # MRtrix writes no END here
             with open(os.path.join(os.path.dirname(path), "beside.dat"), "wb") as beside:
                 beside.write(b"\0" * 7 + data)
         else:

@@ -16,8 +16,10 @@ static iso_status measure_planes(const iso_volume *plane, const char *path, doub
 {
     iso_volume_stats stats = iso_volume_measure(plane);
     if (stats.nonfinite_count > 0)
-        return iso_fail(err, ISO_E_RANGE, "%s: %zu voxels of a plane are NaN or infinite, none may be", path,
-                        stats.nonfinite_count);
+        return iso_fail(err, ISO_E_RANGE,
+                        "%s: %zu voxels of a plane are NaN or infinite, none may be; --no-data inf leaves infinite "
+                        "ones out",
+                        path, stats.nonfinite_count);
     *lo = fmin(*lo, stats.min);
     *hi = fmax(*hi, stats.max);
     *has_no_data = *has_no_data || stats.no_data_count > 0;

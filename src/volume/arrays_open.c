@@ -23,6 +23,18 @@ static bool starts_like_hdf5(const unsigned char *head, size_t size)
     return size >= 8 && memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0;
 }
 
+/* True for HDF5 after bytes of the user's own, at 512, 1024, 2048 ...: so MATLAB's files of version 7.3 begin. */
+static bool has_user_block(const char *path)
+{
+    enum { MOST_BYTES = 1 << 20 };
+    unsigned char head[8];
+    ENDED_BY(iso_close_file) FILE *f = iso_path_is_file(path) ? fopen(path, "rb") : NULL;
+    bool found = false;
+    for (long at = 512; f && !found && at <= MOST_BYTES && fseek(f, at, SEEK_SET) == 0; at *= 2)
+        found = starts_like_hdf5(head, fread(head, 1, sizeof head, f));
+    return found;
+}
+
 static bool starts_like_netcdf(const unsigned char *head, size_t size)
 {
     return size >= 4 && memcmp(head, "CDF", 3) == 0 && (head[3] == 1 || head[3] == 2 || head[3] == 5);
@@ -48,6 +60,7 @@ const iso_volume_format iso_volume_format_hdf5 = {
     .starts = "\"\\x89HDF\"",
     .takes_part = true,
     .probe = starts_like_hdf5,
+    .probe_path = has_user_block,
     .open = open_arrays,
 };
 

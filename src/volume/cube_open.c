@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "volume/stream_kernel.h"
+#include "volume/reader.h"
 
 enum { LINE_BYTES = 1024, ATOMS_MOST = 10000000 };
 
@@ -60,7 +60,7 @@ static bool skip_atoms(FILE *f, cube *c)
 static bool is_cube(const char *path)
 {
     cube c;
-    if (!iso_path_ends_with(path, ".cube") && !iso_path_ends_with(path, ".cub"))
+    if (!iso_reader_is_named(path, ".cube") && !iso_reader_is_named(path, ".cub"))
         return false;
     FILE *f = fopen(path, "rb");
     const bool is_one = !f || read_header(f, &c) || ferror(f); /* a read error is reported on opening */

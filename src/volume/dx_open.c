@@ -35,7 +35,7 @@ static bool read_header(FILE *f, dx *d)
 
 static bool is_dx(const char *path)
 {
-    return iso_path_ends_with(path, ".dx") && iso_reader_may_hold(path, "gridpositions");
+    return iso_reader_is_named(path, ".dx") && iso_reader_may_hold(path, "gridpositions");
 }
 
 static iso_status check_header(const dx *d, const char *path, iso_error *err)

@@ -11,6 +11,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "base/words.h"
 #include "volume/reader.h"
 #include "volume/unit.h"
 
@@ -25,6 +26,8 @@ typedef struct fits_axis {
 typedef struct fits {
     double bits, axis_count, scale, zero, blank, heap, groups;
     fits_axis axis[MOST_AXES];
+    double turn[MOST_AXES][MOST_AXES]; /* CDi_j, or PCi_j: axis i of the world by axis j of the array; NAN: absent */
+    bool has_steps;                    /* True for CDi_j, which contain CDELT */
     char name[CARD_BYTES], kind[WORD_BYTES];
     bool is_packed;
     double at, bytes;
@@ -65,6 +68,11 @@ static void take_card(fits *h, const char *card)
         if (strncmp(key, of_axes[i], 5) == 0)
             *of[i] = strtod(value, NULL);
     }
+    if (strlen(key) == 5 && (key[0] == 'C' || key[0] == 'P') && strchr("DC", key[1]) && key[3] == '_' &&
+        key[2] >= '1' && key[2] <= '9' && key[4] >= '1' && key[4] <= '9') {
+        h->turn[key[2] - '1'][key[4] - '1'] = strtod(value, NULL);
+        h->has_steps = h->has_steps || key[1] == 'D';
+    }
     if (digit < MOST_AXES && strncmp(key, "CUNIT", 5) == 0)
         read_word(value, h->axis[digit].unit, WORD_BYTES);
     if (strcmp(key, "EXTNAME") == 0)
@@ -81,6 +89,8 @@ static bool read_header(FILE *f, fits *h)
     *h = (fits){.scale = 1, .blank = NAN, .groups = 1};
     for (int i = 0; i < MOST_AXES; ++i)
         h->axis[i] = (fits_axis){.step = 1, .pixel = 1};
+    for (int i = 0; i < MOST_AXES * MOST_AXES; ++i)
+        h->turn[i / MOST_AXES][i % MOST_AXES] = NAN;
     for (int blocks = 0; blocks < MOST_BLOCKS && fread(block, 1, BLOCK_BYTES, f) == BLOCK_BYTES; ++blocks)
         for (int at = 0; at < BLOCK_BYTES; at += CARD_BYTES) {
             const char *card = block + at;
@@ -135,7 +145,7 @@ static iso_status find_image(FILE *f, const iso_volume_source *source, fits *fou
         packed += h.is_packed;
         if (is_image(&h)) {
             const size_t length = strlen(list);
-            snprintf(list + length, sizeof list - length, "%s%zu%s%.20s", images ? ", " : "", number,
+            snprintf(list + length, sizeof list - length, "%s%zu%s%.20s", length ? ", " : "", number,
                      *h.name ? " " : "", h.name);
         }
         if (is_image(&h) && (!source->part || is_named(&h, number, source->part)) && images++ == 0)
@@ -154,6 +164,12 @@ static iso_status find_image(FILE *f, const iso_volume_source *source, fits *fou
                            : "holds no image of three axes");
 }
 
+/* True for integers of 64 bits that stand without 2^63: doubles could not add it. */
+static bool is_unsigned(const fits *h)
+{
+    return h->bits == 64 && h->scale == 1 && h->zero == 0x1p63;
+}
+
 static iso_status take_type(const fits *h, iso_volume_source *source, iso_error *err)
 {
     const struct {
@@ -164,17 +180,24 @@ static iso_status take_type(const fits *h, iso_volume_source *source, iso_error 
         if (h->bits == types[i].bits) {
             source->header.type = types[i].type;
             if (h->bits == 64)
-                iso_source_set_form(source, ISO_FORM_I64);
+                iso_source_set_form(source, is_unsigned(h) ? ISO_FORM_U64_OF_FITS : ISO_FORM_I64);
             source->swap_bytes = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && h->bits != 8;
             return ISO_OK;
         }
     return iso_fail(err, ISO_E_FORMAT, "%s: BITPIX is %g, must be 8, 16, 32, 64, -32 or -64", source->path, h->bits);
 }
 
+/* Returns how far a pixel along axis `a` of the array leads along axis r of the world. */
+static double step_of(const fits *h, size_t r, size_t a)
+{
+    const double turn = isnan(h->turn[r][a]) ? (r == a && !h->has_steps ? 1 : 0) : h->turn[r][a];
+    return h->has_steps ? turn : turn * h->axis[r].step;
+}
+
 static iso_status take_geometry(const fits *h, const size_t *used, iso_volume_source *source, iso_error *err)
 {
     size_t size[3];
-    double step[3][3] = {{0}}, first[3], mm[3];
+    double step[3][3], first[3], mm[3];
     const char *name;
     bool are_lengths = true;
     for (int a = 0; a < 3; ++a) {
@@ -182,15 +205,18 @@ static iso_status take_geometry(const fits *h, const size_t *used, iso_volume_so
         size[a] = (size_t)axis->size;
         are_lengths = *axis->unit && iso_unit_find(axis->unit, &mm[a], &name) && are_lengths;
     }
-    for (int a = 0; a < 3; ++a) {
-        const fits_axis *axis = &h->axis[used[a]];
-        step[a][a] = are_lengths ? axis->step * mm[a] : 1;
-        first[a] = are_lengths ? (axis->value + (1 - axis->pixel) * axis->step) * mm[a] : -((double)size[a] - 1) / 2;
+    for (int r = 0; r < 3; ++r) {
+        first[r] = are_lengths ? h->axis[used[r]].value * mm[r] : -((double)size[r] - 1) / 2;
+        for (int a = 0; a < 3; ++a) {
+            step[a][r] = are_lengths ? step_of(h, used[r], used[a]) * mm[r] : r == a;
+            first[r] += are_lengths ? (1 - h->axis[used[a]].pixel) * step[a][r] : 0;
+        }
     }
     if (!are_lengths) {
-        char what[120];
-        snprintf(what, sizeof what, "of its voxels in a unit of length (its axes have: %s, %s, %s)",
-                 h->axis[used[0]].unit, h->axis[used[1]].unit, h->axis[used[2]].unit);
+        char what[120] = "of its voxels in a unit of length (its axes have: ";
+        for (int a = 0; a < 3; ++a)
+            iso_words_append(what, sizeof what, "%s%s", *h->axis[used[a]].unit ? h->axis[used[a]].unit : "none",
+                             a < 2 ? ", " : ")");
         NEED(iso_source_need_spacing(source, what, err));
     }
     return iso_reader_place(source, size, step, first, "mm", err);
@@ -213,7 +239,7 @@ static iso_status take_image(const fits *h, iso_volume_source *source, iso_error
     NEED(take_type(h, source, err));
     NEED(take_geometry(h, used, source, err));
     source->header.notes.scale_slope = h->scale;
-    source->header.notes.scale_intercept = h->zero;
+    source->header.notes.scale_intercept = is_unsigned(h) ? 0 : h->zero;
     const iso_extra_axes axes = {.frame = {.count = count > 3 ? (size_t)h->axis[used[3]].size : 1, .stride = 1}};
     NEED(iso_source_choose(source, &axes, err));
     if (h->bits > 0)

@@ -164,8 +164,8 @@ static iso_status open_mif(iso_volume_source *source, iso_error *err)
     FREED char *text = calloc(1, HEAD_BYTES + 1);
     NEED(text ? iso_reader_head(source->path, text, HEAD_BYTES, &got, err)
               : iso_fail(err, ISO_E_MEMORY, "%s: out of memory", source->path));
-    char *end = strstr(text, "\nEND");
-    if (!end)
+    char *end = strstr(text, "\nEND"); /* a header of its own ends with its file */
+    if (!end && (got == HEAD_BYTES || !iso_reader_value(text, "file:")))
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated: no line END in the first %d bytes", source->path,
                         HEAD_BYTES);
     if (end)

@@ -2,6 +2,7 @@
 /* nifti_open.c - headers of NIfTI-1, NIfTI-2 and Analyze 7.5, whose fields NIfTI-1 keeps. The header is read and
  * checked here, since libnifti prints, and trusts its input; it computes only the affine of a qform. */
 #define _GNU_SOURCE
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <nifti1_io.h>
@@ -264,13 +265,15 @@ static iso_status check_header(const nifti_header *h, const char *path, iso_erro
     return ISO_OK;
 }
 
-/* Returns a name with its ending replaced, ".hdr" by ".img" or back, with or without .gz; to be freed. NULL: it has no
- * such ending. */
+/* Returns a name with its ending replaced, ".hdr" by ".img" or back, in small letters or in capitals, with or without
+ * .gz; to be freed. NULL: it has no such ending. */
 static char *other_of_pair(const char *path, const char *ending, const char *other)
 {
     const size_t n = strlen(ending), tail = iso_path_ends_with(path, ".gz") ? 3 : 0, length = strlen(path);
     char *name = NULL;
-    if (length <= n + tail || strncmp(path + length - tail - n, ending, n) != 0 ||
+    if (length > n + tail && isupper((unsigned char)path[length - tail - 1]))
+        other = strcmp(other, ".img") == 0 ? ".IMG" : ".HDR";
+    if (length <= n + tail || strncasecmp(path + length - tail - n, ending, n) != 0 ||
         asprintf(&name, "%.*s%s%s", (int)(length - tail - n), path, other, path + length - tail) < 0)
         return NULL;
     return name;

@@ -26,8 +26,8 @@ iso_status iso_no_data_parse(const char *text, iso_no_data *rule, iso_error *err
         is_good = end != second;
     }
     if (!is_good || *end || !(rule->lo <= rule->hi))
-        return iso_fail(err, ISO_E_USAGE,
-                        "--no-data is \"%s\", must be a value, a range such as -3024,-1025, or none", text);
+        return iso_fail(err, ISO_E_USAGE, "--no-data is \"%s\", must be a value, a range such as -3024,-1025, or none",
+                        text);
     return ISO_OK;
 }
 
@@ -37,6 +37,7 @@ double iso_form_value(iso_form form, const void *cells, size_t at)
     case ISO_FORM_HALF: return (double)iso_half_to_float(((const uint16_t *)cells)[at]);
     case ISO_FORM_I64: return (double)((const int64_t *)cells)[at];
     case ISO_FORM_U64: return (double)((const uint64_t *)cells)[at];
+    case ISO_FORM_U64_OF_FITS: return (double)(((const uint64_t *)cells)[at] ^ (uint64_t)1 << 63);
     default: return ((const double *)cells)[at];
     }
 }

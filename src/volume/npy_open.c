@@ -102,6 +102,9 @@ static iso_status take_type(const npy *n, iso_volume_source *source, iso_error *
                 return ISO_OK;
             }
     }
+    if (value && *value == '[')
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: its type has fields, must be one number; numpy.save() one field, a['NAME']", source->path);
     return iso_fail(err, ISO_E_FORMAT,
                     "%s: its type is %.*s, must be a bool, integer or float of 16 to 64 bits; numpy's "
                     "astype() converts it",
@@ -134,7 +137,7 @@ static iso_status take_axes(npy *n, const char *path, iso_error *err)
     const char *shape = iso_npy_value(&n->header, "shape");
     bool is_fortran = false;
     if (!iso_npy_shape(&n->header, axes, &count, &is_fortran))
-        return iso_fail(err, ISO_E_FORMAT, "%s: damaged: its NumPy header has no order and shape", path);
+        return iso_fail(err, ISO_E_FORMAT, "%s: damaged, or an array of more than %d axes", path, ISO_NPY_MOST_AXES);
     if (count < 3)
         return iso_fail(err, ISO_E_FORMAT, "%s: its shape is %.*s, a volume has 3 axes, with time or channels 4", path,
                         (int)strcspn(shape, ")") + 1, shape);

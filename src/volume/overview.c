@@ -138,8 +138,9 @@ static iso_status refuse_nonfinite(const slab_reading *s, size_t first_plane, co
                                    iso_error *err)
 {
     const size_t *at = stats->first_nonfinite;
-    return iso_fail(err, ISO_E_RANGE, "%s: voxel (%zu, %zu, %zu) is NaN or infinite, none may be", s->path, at[0],
-                    at[1], first_plane + at[2]);
+    return iso_fail(err, ISO_E_RANGE,
+                    "%s: voxel (%zu, %zu, %zu) is NaN or infinite, none may be; --no-data inf leaves infinite ones out",
+                    s->path, at[0], at[1], first_plane + at[2]);
 }
 
 static iso_status measure_slab(slab_reading *s, size_t first_plane, iso_error *err)

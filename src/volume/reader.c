@@ -26,6 +26,12 @@ bool iso_reader_may_hold(const char *path, const char *word)
     return iso_reader_head(path, head, sizeof head - 1, &got, NULL) != ISO_OK || strstr(head, word);
 }
 
+bool iso_reader_is_named(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), tail = strlen(ending);
+    return length > tail && strcasecmp(path + length - tail, ending) == 0;
+}
+
 iso_status iso_reader_place(iso_volume_source *source, const size_t size[3], double step[3][3], const double first[3],
                             const char *unit, iso_error *err)
 {
@@ -114,7 +120,8 @@ iso_status iso_reader_need_type(iso_volume_source *source, const char *word, iso
 {
     return iso_reader_take_type(source, word, strlen(word))
                ? ISO_OK
-               : iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path, word);
+               : iso_fail(err, ISO_E_FORMAT, "%s: type \"%s\", must be an integer, float or double", source->path,
+                          word);
 }
 
 size_t iso_reader_numbers(const char *text, double *out, size_t most)

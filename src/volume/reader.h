@@ -10,6 +10,9 @@ iso_status iso_reader_head(const char *path, char *head, size_t bytes, size_t *g
 /* True if a word is among a file's first 4096 bytes, or if the file cannot be read, which the reader reports. */
 bool iso_reader_may_hold(const char *path, const char *word);
 
+/* True if the name ends so, in small letters or in capitals. */
+bool iso_reader_is_named(const char *path, const char *ending);
+
 /* Sets the grid: step[a] leads from the center of a sample to the next along axis a, `first` is the center of the first
  * one, both in `unit`, which --unit overrides. Checks it by iso_source_check_geometry(). */
 iso_status iso_reader_place(iso_volume_source *source, const size_t size[3], double step[3][3], const double first[3],

@@ -33,6 +33,7 @@ static const char *form_name(const iso_volume_source *source)
     switch (source->form) {
     case ISO_FORM_HALF: return "half";
     case ISO_FORM_I64: return "int64";
+    case ISO_FORM_U64_OF_FITS:
     case ISO_FORM_U64: return "uint64";
     default: return iso_type_name(iso_source_stored_type(source));
     }
@@ -131,7 +132,9 @@ iso_status iso_source_unit(iso_volume_source *source, const char *unit, const ch
     iso_volume_notes *notes = &source->header.notes;
     const char *word = source->hints.unit ? source->hints.unit : unit && *unit ? unit : fallback, *name = "mm";
     if (!iso_unit_find(word, mm, &name))
-        return iso_fail(err, ISO_E_FORMAT, "%s: unknown unit \"%s\"; override it with --unit, one of " ISO_UNIT_NAMES,
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: unknown unit \"%s\"; override it with --unit, one of " ISO_UNIT_NAMES
+                        "; if it is no length, set --spacing, too",
                         source->path, word);
     notes->unit_mm = *mm;
     if (source->hints.unit || (unit && *unit))
@@ -361,6 +364,7 @@ static const struct {
     {"ZISRAWFILE", 10, "CZI of Zeiss", "bioformats2raw converts it to OME-Zarr"},
     {"\xda\xce\xbe\x0a", 4, "ND2 of Nikon", "bioformats2raw converts it to OME-Zarr"},
     {"\x70\0\0\0", 4, "LIF of Leica", "bioformats2raw converts it to OME-Zarr"},
+    {"MATLAB 5", 8, "MATLAB's version 5", "save it with -v7.3, as HDF5"},
     {"%PDF", 4, "PDF", "export its pictures"},
     {"\xff\x4f\xff\x51", 4, "JPEG 2000", "opj_decompress makes TIFF of it"},
 };
@@ -373,6 +377,8 @@ static iso_status refuse_unknown(const iso_volume_source *s, const file_head *he
             return iso_fail(err, ISO_E_FORMAT, "%s: is %s, which is not read; %s", s->path, others[i].kind,
                             others[i].remedy);
     }
+    if (head->size >= 262 && memcmp(head->bytes + 257, "ustar", 5) == 0)
+        return iso_fail(err, ISO_E_FORMAT, "%s: is a tar archive, which is not read; unpack it", s->path);
     if (memmem(head->bytes, head->size, "<VTKFile", 8))
         return iso_fail(err, ISO_E_FORMAT,
                         "%s: is a grid of VTK that is not read, unlike .vti, .vtr, .pvti and .pvtr; ParaView's filter "

@@ -21,6 +21,7 @@ typedef struct tiff_reader {
     bool is_unread; /* a call on the file failed: what libtiff says then is about missing bytes, or nothing */
     uint64_t *page; /* offsets of the directories */
     size_t page_count, next;
+    uint16_t odd_bits;  /* of samples that are no whole bytes; 0: they are */
     uint16_t planes;    /* of pages that have their components in planes; 1: of others */
     size_t first, step; /* of the chosen frame and channel: the first page, and from one to the next */
 } tiff_reader;
@@ -47,8 +48,9 @@ typedef struct tiff_notes {
 static bool starts_like_tiff(const unsigned char *head, size_t size)
 {
     const bool is_dicom = size >= 132 && memcmp(head + 128, "DICM", 4) == 0;
-    return size >= 4 && !is_dicom && (memcmp(head, "II*\0", 4) == 0 || memcmp(head, "MM\0*", 4) == 0 ||
-                         memcmp(head, "II+\0", 4) == 0 || memcmp(head, "MM\0+", 4) == 0);
+    return size >= 4 && !is_dicom &&
+           (memcmp(head, "II*\0", 4) == 0 || memcmp(head, "MM\0*", 4) == 0 || memcmp(head, "II+\0", 4) == 0 ||
+            memcmp(head, "MM\0+", 4) == 0);
 }
 
 /* ---- the file, as libtiff asks for it ---- */
@@ -144,6 +146,12 @@ static double most_of(uint16_t compression)
     }
 }
 
+/* True for gray samples of 1 to 15 bits that are no whole bytes, such as masks and those of 12-bit cameras. */
+static bool has_odd_bits(const tiff_page *p)
+{
+    return p->format <= SAMPLEFORMAT_UINT && p->bits < 16 && p->bits % 8 != 0 && p->samples == 1;
+}
+
 static bool take_type(const tiff_page *p, iso_volume_source *source)
 {
     static const struct {
@@ -165,7 +173,10 @@ static bool take_type(const tiff_page *p, iso_volume_source *source)
                                                                          : ISO_FORM_TYPE;
     if (form)
         iso_source_set_form(source, form);
-    return form != ISO_FORM_TYPE;
+    if (form || !has_odd_bits(p))
+        return form != ISO_FORM_TYPE;
+    source->header.type = p->bits < 8 ? ISO_U8 : ISO_U16;
+    return true;
 }
 
 /* ---- descriptions ---- */
@@ -322,9 +333,7 @@ static iso_status choose(const tiff_notes *n, const tiff_page *p, iso_volume_sou
         return iso_fail(err, ISO_E_FORMAT, "%s: %zu channels of %zu components each, which is not read", source->path,
                         channels, inside);
     iso_extra_axes axes = {.frame = {.count = frames, .stride = 1},
-                           .channel = {.count = inside > 1 ? inside : channels,
-                                       .inside = inside > 1,
-                                       .stride = 1},
+                           .channel = {.count = inside > 1 ? inside : channels, .inside = inside > 1, .stride = 1},
                            .frame_step = n->frame_step,
                            .is_color = p->is_color};
     snprintf(axes.frame_unit, sizeof axes.frame_unit, "%s", n->frame_step > 0 ? n->frame_unit : "");
@@ -412,12 +421,35 @@ static bool read_component(TIFF *t, uint16_t plane, char *out, size_t bytes, siz
     return TIFFIsTiled(t) ? read_tiles(t, plane, out, bytes / rows, rows) : read_strips(t, plane, out, bytes);
 }
 
+/* Reads samples whose bits stand without gaps within a row. */
+static bool read_odd_bits(const iso_volume_source *source, char *out)
+{
+    tiff_reader *r = source->reader;
+    const size_t *n = source->header.geometry.size, row_bytes = (n[0] * r->odd_bits + 7) / 8;
+    FREED unsigned char *packed = malloc(row_bytes * n[1]);
+    if (!packed || !read_component(r->tiff, 0, (char *)packed, row_bytes * n[1], n[1]))
+        return false;
+    for (size_t y = 0; y < n[1]; ++y)
+        for (size_t x = 0; x < n[0]; ++x) {
+            uint16_t value = 0;
+            for (size_t bit = x * r->odd_bits; bit < (x + 1) * r->odd_bits; ++bit)
+                value = (uint16_t)(value << 1 | (packed[y * row_bytes + bit / 8] >> (7 - bit % 8) & 1));
+            if (r->odd_bits < 8)
+                ((uint8_t *)out)[y * n[0] + x] = (uint8_t)value;
+            else
+                ((uint16_t *)out)[y * n[0] + x] = value;
+        }
+    return true;
+}
+
 /* Reads the components of a page; those in planes are put next to each other, as other pages have them. */
 static bool read_page_samples(const iso_volume_source *source, char *out)
 {
     tiff_reader *r = source->reader;
     const size_t rows = source->header.geometry.size[1], bytes = iso_source_plane_bytes(source),
                  sample = iso_type_bytes(iso_source_stored_type(source));
+    if (r->odd_bits)
+        return read_odd_bits(source, out);
     if (r->planes == 1)
         return read_component(r->tiff, 0, out, bytes, rows);
     FREED char *plane = malloc(bytes / r->planes);
@@ -487,13 +519,15 @@ static iso_status read_header(iso_volume_source *source, iso_error *err)
                         source->path, page.depth);
     if (!take_type(&page, source))
         return iso_fail(err, ISO_E_FORMAT,
-                        "%s: samples of %u bits, format %u, must be an integer of 8, 16, 32 or 64 bits, "
-                        "half, float or double",
+                        "%s: samples of %u bits, format %u, must be a gray integer of 1 to 16 bits, an integer of "
+                        "8, 16, 32 or 64 bits, half, float or double",
                         source->path, page.bits, page.format);
+    r->odd_bits = has_odd_bits(&page) ? page.bits : 0;
     NEED(check_order(&notes, source->path, err));
     NEED(choose(&notes, &page, source, &slices, err));
     NEED(take_geometry(source, &page, slices, &notes, err));
-    return iso_source_check_packed(source, source->path, (double)size_of(r), most_of(page.compression), err);
+    return iso_source_check_packed(source, source->path, (double)size_of(r),
+                                   most_of(page.compression) * (r->odd_bits ? 16. / r->odd_bits : 1), err);
 }
 
 static iso_status open_tiff(iso_volume_source *source, iso_error *err)

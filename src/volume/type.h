@@ -48,6 +48,7 @@ typedef enum iso_form {
     ISO_FORM_HALF, /* floats of 16 bits */
     ISO_FORM_I64,  /* integers of 64 bits, with a sign, or */
     ISO_FORM_U64,  /* without one, or */
+    ISO_FORM_U64_OF_FITS, /* less 2^63, or */
     ISO_FORM_WHOLE /* as doubles */
 } iso_form;
 

@@ -14,6 +14,7 @@ static const struct {
 } units[] = {
     {"mm", 1, " millimeter millimeters millimetre millimetres "},
     {"m", 1e3, " meter meters metre metres "},
+    {"km", 1e6, " kilometer kilometers kilometre kilometres "},
     {"cm", 10, " centimeter centimeters centimetre centimetres "},
     /* The micro sign and the Greek mu, in UTF-8, in Latin-1, and as ImageJ writes them. */
     {"um", 1e-3,

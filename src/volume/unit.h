@@ -8,7 +8,7 @@
 #include "base/status.h"
 
 /* The names for messages and --help: those that --unit takes; headers may spell them out (micrometer, microns). */
-#define ISO_UNIT_NAMES "m, cm, mm, um, nm, pm, angstrom, bohr or inch"
+#define ISO_UNIT_NAMES "m, cm, mm, um, nm, pm, angstrom, bohr, inch or km"
 
 /* Finds a unit in millimeters, and its short name, which may be NULL; false if the unit is unknown. Not sensitive to
  * case. */

@@ -15,6 +15,7 @@ typedef struct vtk_header {
     size_t points[3];
     double spacing[3], origin[3];
     bool is_text, of_cells, is_color, found;
+    bool has_data, is_field; /* after POINT_DATA or CELL_DATA; a line of FIELD is next */
     int components;
     char dataset[64], type[64];
     char damaged[24]; /* "", or the coordinates that cannot be read */
@@ -72,13 +73,17 @@ static void take_coordinates(FILE *f, vtk_header *h, const char *line)
         h->coordinates.at[axis] = at, h->coordinates.count[axis] = count;
 }
 
-/* Reads one line before the samples. found: samples follow the line, or the line LOOKUP_TABLE. */
+/* Reads one line before the samples. found: samples follow the line, or the line LOOKUP_TABLE. The fields of the
+ * whole file, before POINT_DATA, are no samples. */
 static void take(vtk_header *h, const char *line)
 {
     double v[3];
     char word[64] = "";
     sscanf(line, "%63s", word);
-    if (strcmp(word, "DATASET") == 0)
+    if (h->is_field) { /* "NAME components tuples type" */
+        h->is_field = false;
+        h->found = sscanf(line, "%*s %d %*s %63s", &h->components, h->type) == 2;
+    } else if (strcmp(word, "DATASET") == 0)
         sscanf(line, "%*s %63s", h->dataset);
     else if (strcmp(word, "DIMENSIONS") == 0)
         sscanf(line, "%*s %18zu %18zu %18zu", &h->points[0], &h->points[1], &h->points[2]);
@@ -88,14 +93,18 @@ static void take(vtk_header *h, const char *line)
     else if (strcmp(word, "ORIGIN") == 0 && sscanf(line, "%*s %lf %lf %lf", &v[0], &v[1], &v[2]) == 3)
         memcpy(h->origin, v, sizeof v);
     else if (strcmp(word, "CELL_DATA") == 0 || strcmp(word, "POINT_DATA") == 0)
-        h->of_cells = word[0] == 'C';
+        h->of_cells = word[0] == 'C', h->has_data = true;
     else if (strcmp(word, "SCALARS") == 0) {
         h->components = 1;
         h->found = sscanf(line, "%*s %*s %63s %d", h->type, &h->components) >= 1;
     } else if (strcmp(word, "COLOR_SCALARS") == 0) { /* how VTK writes bytes */
         h->found = h->is_color = sscanf(line, "%*s %*s %d", &h->components) == 1;
         snprintf(h->type, sizeof h->type, "unsigned_char");
-    }
+    } else if (strcmp(word, "VECTORS") == 0 || strcmp(word, "NORMALS") == 0) {
+        h->components = 3;
+        h->found = sscanf(line, "%*s %*s %63s", h->type) == 1;
+    } else
+        h->is_field = h->has_data && strcmp(word, "FIELD") == 0;
 }
 
 /* Leaves the file at the first sample. */
@@ -120,7 +129,8 @@ static iso_status read_header(FILE *f, const char *path, vtk_header *h, iso_erro
                             h->dataset);
     }
     if (!h->found)
-        return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or without SCALARS: no samples in a VTK file", path);
+        return iso_fail(err, ISO_E_FORMAT,
+                        "%s: truncated, or without SCALARS, VECTORS or FIELD: no samples in a VTK file", path);
     if (h->components < 1)
         return iso_fail(err, ISO_E_FORMAT, "%s: %d components per voxel, must be at least 1", path, h->components);
     if (h->is_color && h->is_text)

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/file.h"
-#include "volume/stream_kernel.h"
+#include "volume/reader.h"
 
 enum { LINE_BYTES = 1024 };
 
@@ -26,7 +26,7 @@ static bool find_grid(FILE *f)
 
 static bool is_xsf(const char *path)
 {
-    if (!iso_path_ends_with(path, ".xsf"))
+    if (!iso_reader_is_named(path, ".xsf"))
         return false;
     FILE *f = fopen(path, "rb");
     const bool is_one = !f || find_grid(f) || ferror(f); /* a read error is reported on opening */

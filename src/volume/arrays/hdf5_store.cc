@@ -436,6 +436,8 @@ private:
         array.is_whole = H5Tget_class(type) == H5T_INTEGER && array.type == ISO_F64;
         if (H5Pget_layout(list) == H5D_CHUNKED && H5Pget_chunk(list, rank, chunk) == rank)
             array.chunk.assign(chunk, chunk + rank);
+        else if (array.refused.empty() && H5Pget_layout(list) == H5D_VIRTUAL)
+            array.refused = "virtual: its samples are in other files, which are not read";
         else if (array.refused.empty())
             check_storage(set, type, size, rank, array);
         take_imaris_size(array);

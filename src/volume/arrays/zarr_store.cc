@@ -215,12 +215,17 @@ public:
 
     std::string main_array(size_t, size_t) override
     {
-        const Attributes attributes(folder_);
+        /* bioformats2raw puts the images of a file into folders 0, 1 and so on. */
+        const Attributes root(folder_);
+        const bool is_only = json_object_get(root.ome(), "bioformats2raw.layout") && !fs::exists(path_of("1"));
+        const std::string image = is_only ? "0" : "";
+        const Attributes attributes(path_of(image));
         const json_t *all = json_object_get(attributes.ome(), "multiscales");
         if (json_array_size(all) > 1)
             fail(ISO_E_FORMAT,
                  folder_ + ": holds " + std::to_string(json_array_size(all)) + " multiscale images, must be one");
-        return word(json_array_get(json_object_get(json_array_get(all, 0), "datasets"), 0), "path");
+        const std::string path = word(json_array_get(json_object_get(json_array_get(all, 0), "datasets"), 0), "path");
+        return is_only && !path.empty() ? image + "/" + path : path;
     }
 
     std::vector<std::string> channel_names(const Array &array) override

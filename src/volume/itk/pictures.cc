@@ -8,7 +8,10 @@
 #include <string>
 #include <vector>
 
+#include <tiffio.h>
+
 #include "volume/child_writer.h"
+#include "volume/half.h"
 #include "volume/itk/dicom_series.h"
 
 /* ---- BMP ---- */
@@ -25,7 +28,6 @@ struct Bitmap {
     size_t bits = 8, samples_at = 0;
     std::vector<unsigned char> palette; /* blue, green, red, unused; 256 colors */
 };
-
 
 constexpr size_t head_bytes = 54;
 
@@ -54,7 +56,6 @@ void take_palette(std::ifstream &file, const std::string &head, Bitmap &b)
         if (b.palette[i] != b.palette[i + 1] || b.palette[i] != b.palette[i + 2])
             b.components = 3;
 }
-
 
 /* Reads the header. Throws Failure if the file is damaged, or of a kind that is not read. */
 Bitmap open_bitmap(const std::string &path)
@@ -108,6 +109,109 @@ void read_bitmap(const Bitmap &b, char *out)
     }
 }
 
+/* ---- TIFF ---- */
+
+/* Gray samples. ITK takes tiles for colors, integers of 32 bits for 0, and halves for integers. */
+const struct TiffKind {
+    uint16_t format, bits;
+    iso_type type; /* as which they are given */
+} tiff_kinds[] = {{SAMPLEFORMAT_UINT, 8, ISO_U8},     {SAMPLEFORMAT_INT, 8, ISO_I8},
+                  {SAMPLEFORMAT_UINT, 16, ISO_U16},   {SAMPLEFORMAT_INT, 16, ISO_I16},
+                  {SAMPLEFORMAT_UINT, 32, ISO_U32},   {SAMPLEFORMAT_INT, 32, ISO_I32},
+                  {SAMPLEFORMAT_UINT, 64, ISO_F64},   {SAMPLEFORMAT_INT, 64, ISO_F64},
+                  {SAMPLEFORMAT_IEEEFP, 16, ISO_F32}, {SAMPLEFORMAT_IEEEFP, 32, ISO_F32},
+                  {SAMPLEFORMAT_IEEEFP, 64, ISO_F64}};
+
+struct Tiff {
+    const TiffKind *kind = nullptr; /* null: a file for ITK */
+    std::array<size_t, 3> size{1, 1, 1};
+};
+
+using TiffFile = std::unique_ptr<TIFF, void (*)(TIFF *)>;
+
+Tiff open_tiff(const std::string &path)
+{
+    TIFFSetErrorHandler(nullptr), TIFFSetWarningHandler(nullptr);
+    const TiffFile file(TIFFOpen(path.c_str(), "rm"), TIFFClose);
+    Tiff t;
+    uint32_t width = 0, height = 0;
+    uint16_t bits = 1, samples = 1, format = SAMPLEFORMAT_UINT, meaning = PHOTOMETRIC_MINISBLACK;
+    if (!file)
+        return t;
+    TIFFGetField(file.get(), TIFFTAG_IMAGEWIDTH, &width);
+    TIFFGetField(file.get(), TIFFTAG_IMAGELENGTH, &height);
+    TIFFGetFieldDefaulted(file.get(), TIFFTAG_BITSPERSAMPLE, &bits);
+    TIFFGetFieldDefaulted(file.get(), TIFFTAG_SAMPLESPERPIXEL, &samples);
+    TIFFGetFieldDefaulted(file.get(), TIFFTAG_SAMPLEFORMAT, &format);
+    TIFFGetFieldDefaulted(file.get(), TIFFTAG_PHOTOMETRIC, &meaning);
+    const bool is_gray = samples == 1 && meaning <= PHOTOMETRIC_MINISBLACK;
+    format = format == SAMPLEFORMAT_VOID ? SAMPLEFORMAT_UINT : format;
+    for (const auto &kind : tiff_kinds)
+        if (kind.bits == bits && kind.format == format && is_gray)
+            t.kind = &kind;
+    if (!is_gray && bits > 8 && bits != (format == SAMPLEFORMAT_IEEEFP ? 32 : 16))
+        fail(ISO_E_FORMAT, path + ": " + std::to_string(samples) + " components of " + std::to_string(bits) +
+                               " bits per pixel, must be of 8 or 16 bits, or floats");
+    t.size = {width, height, TIFFLastDirectory(file.get()) ? 1u : 2u};
+    return t;
+}
+
+/* Copies a strip or tile of `row` bytes a row to where it stands in the picture. */
+void put_part(const std::vector<char> &part, size_t row, size_t x, size_t y, size_t row_bytes, std::vector<char> &all)
+{
+    const size_t bytes = std::min(row, row_bytes - x);
+    for (size_t at = 0; at + row <= part.size() && (y + 1) * row_bytes <= all.size(); at += row, ++y)
+        memcpy(&all[y * row_bytes + x], &part[at], bytes);
+}
+
+template <typename From, typename To, typename Value>
+void convert(const std::vector<char> &from, char *out, Value value)
+{
+    for (size_t i = 0; i < from.size() / sizeof(From); ++i) {
+        From sample;
+        memcpy(&sample, &from[i * sizeof sample], sizeof sample);
+        const To number = value(sample);
+        memcpy(out + i * sizeof number, &number, sizeof number);
+    }
+}
+
+/* Reads all pixels, of the kind's type. */
+void read_tiff(const std::string &path, const Tiff &t, char *out)
+{
+    const TiffFile file(TIFFOpen(path.c_str(), "rm"), TIFFClose);
+    const size_t row_bytes = t.size[0] * t.kind->bits / 8;
+    const bool is_tiled = file && TIFFIsTiled(file.get());
+    std::vector<char> all(row_bytes * t.size[1]);
+    uint32_t width = 0, rows = 0, height = static_cast<uint32_t>(t.size[1]);
+    if (file)
+        TIFFGetField(file.get(), TIFFTAG_TILEWIDTH, &width);
+    if (file)
+        TIFFGetFieldDefaulted(file.get(), is_tiled ? TIFFTAG_TILELENGTH : TIFFTAG_ROWSPERSTRIP, &rows);
+    rows = std::min(rows, is_tiled ? rows : height);
+    const size_t row = is_tiled ? static_cast<size_t>(width) * t.kind->bits / 8 : row_bytes;
+    std::vector<char> part(row * rows);
+    bool well = !part.empty();
+    uint32_t next = 0;
+    for (size_t y = 0; well && y < height; y += rows)
+        for (size_t x = 0; well && x < row_bytes; x += row, ++next) {
+            const tmsize_t room = static_cast<tmsize_t>(part.size());
+            const tmsize_t got = is_tiled ? TIFFReadEncodedTile(file.get(), next, part.data(), room)
+                                          : TIFFReadEncodedStrip(file.get(), next, part.data(), room);
+            well = got >= static_cast<tmsize_t>(row * std::min<size_t>(rows, height - y));
+            put_part(part, row, x, y, row_bytes, all);
+        }
+    if (!well)
+        fail(ISO_E_FORMAT, path + ": truncated or damaged");
+    if (t.kind->bits == 16 && t.kind->type == ISO_F32)
+        convert<uint16_t, float>(all, out, iso_half_to_float);
+    else if (t.kind->bits == 64 && t.kind->format == SAMPLEFORMAT_INT)
+        convert<int64_t, double>(all, out, [](int64_t whole) { return static_cast<double>(whole); });
+    else if (t.kind->bits == 64 && t.kind->format == SAMPLEFORMAT_UINT)
+        convert<uint64_t, double>(all, out, [](uint64_t whole) { return static_cast<double>(whole); });
+    else
+        memcpy(out, all.data(), all.size());
+}
+
 } // namespace
 
 /* ---- pictures ---- */
@@ -126,7 +230,7 @@ const struct Kind {
     {"TIFF", {"II*\0", "MM\0*"}, {".tif", ".tiff"}, 4},
     {"BMP", {"BM", "BM"}, {".bmp", ".bmp"}, 2},
 };
-constexpr size_t bmp = 3;
+constexpr size_t tiff = 2, bmp = 3;
 
 std::string lower(std::string text)
 {
@@ -267,6 +371,7 @@ bool is_gray_by_palette(const std::string &path)
 /* A picture, and the components of its pixels that are given: one if all are gray. */
 struct Picture : Slice {
     Bitmap bitmap; /* of a BMP file, which has no reader of ITK */
+    Tiff tiff;     /* of a TIFF file that ITK does not read right */
     size_t components = 1;
 };
 
@@ -278,6 +383,14 @@ Picture open_picture(const std::string &path)
         p.path = path;
         p.size = {p.bitmap.width, p.bitmap.height, 1};
         p.stored = p.components = p.bitmap.components;
+        return p;
+    }
+    if (kind_of(path) == &kinds[tiff])
+        p.tiff = open_tiff(path);
+    if (p.tiff.kind) {
+        p.path = path;
+        p.size = p.tiff.size;
+        p.type = p.tiff.kind->type;
         return p;
     }
     static_cast<Slice &>(p) = open_slice(path);
@@ -331,6 +444,8 @@ public:
         header.type = channel < first.components ? first.type : ISO_F32;
         header.channels = first.components;
         header.is_color = first.components >= 3;
+        header.is_whole = first.tiff.kind && first.tiff.kind->bits == 64 &&
+                          first.tiff.kind->format != SAMPLEFORMAT_IEEEFP;
         header.world = ISO_CHILD_CENTERED;
         for (int a = 0; a < 3; ++a)
             header.step[a][a] = 1;
@@ -347,6 +462,8 @@ public:
         char *to = picture.stored == 1 ? out : all.data();
         if (!picture.bitmap.path.empty())
             read_bitmap(picture.bitmap, to);
+        else if (picture.tiff.kind)
+            read_tiff(picture.path, picture.tiff, to);
         else
             read_samples(picture, to, picture.stored == 1 ? plane : all.size());
         if (picture.stored > 1)
@@ -357,7 +474,7 @@ private:
     std::vector<Picture> slices_;
     size_t next_ = 0, channel_;
 
-    /* A scanner's overview has a name and a size of its own. */
+    /* A scanner's overview has a name of its own, and often a size. */
     void leave_out_overviews(std::string &warning)
     {
         std::vector<std::string> paths;
@@ -367,9 +484,12 @@ private:
         const auto usual = std::find_if(slices_.begin(), slices_.end(),
                                         [&](const Picture &s) { return pattern_of(s.path) == pattern; });
         const std::array<size_t, 3> size = usual->size;
+        const auto has_pattern = [&](const std::string &path) { return pattern_of(path) == pattern; };
+        const bool is_of_most = 2 * static_cast<size_t>(std::count_if(paths.begin(), paths.end(), has_pattern)) >
+                                paths.size();
         for (size_t i = slices_.size(); i-- > 0;)
-            if (pattern_of(slices_[i].path) != pattern && slices_[i].size != size) {
-                warning = slices_[i].path + " is left out: of another name and size than the slices";
+            if (!has_pattern(slices_[i].path) && (is_of_most || slices_[i].size != size)) {
+                warning = slices_[i].path + " is left out: its name is not like those of the slices";
                 slices_.erase(slices_.begin() + static_cast<long>(i));
             }
     }
@@ -381,7 +501,7 @@ private:
             if (s.size[2] != 1)
                 fail(ISO_E_FORMAT, folder + ": holds volumes, not slices: " + s.path);
         for (const auto &s : slices_)
-            if (s.type != first.type || s.components != first.components)
+            if (s.type != first.type || s.components != first.components || s.tiff.kind != first.tiff.kind)
                 fail(ISO_E_FORMAT, folder + ": slices of different types: " + first.path + ", " + s.path);
         for (const auto &s : slices_)
             if (s.size != first.size)
