@@ -107,6 +107,14 @@ assert not wrong, wrong
 assert {float(c["build_seconds"]) > 0 for c in csv.DictReader(open("chart/pareto.csv")) if c["level"] == "1"} == {True}'
 check and_is_printed grep -q 'level 1.* built in [0-9.]* s$' out
 check and_drawn grep -q 'level 1, built in' chart/pareto.svg
+# Four levels, each with a time, and the cross of a quadrature: their legend takes two rows, all on the page.
+mkdir long && cp chart/*.gp long && python3 -c 'import csv, sys
+rows = list(csv.DictReader(open("chart/pareto.csv")))
+out = csv.DictWriter(sys.stdout, rows[0])
+out.writeheader()
+out.writerows({**rows[0], "level": k, "build_seconds": 17.8, "quadrature": "preintegrated"} for k in range(4))' >long/pareto.csv
+(cd long && gnuplot -e "format='pdf'" pareto.gp && pdftotext -bbox pareto.pdf words)
+check its_long_legend_is_on_the_page awk -F'"' '/<page/ {w = $2} /<word/ && $6 > w {bad = 1} /pre-integrated/ {++n} END {exit bad || n != 1}' long/words
 row() { python3 "$top/tests/column.py" chart/pareto.csv "$1" level=1 shading_from=fit tf="$2"; } # COLUMN TF
 difference() { # TF PYRAMID: between the row's error and that of the rendered picture
     local command

@@ -25,8 +25,8 @@ levels = int(STATS_max) + 1
 array built[levels]
 do for [k = 1:levels] { built[k] = 0 }
 stats data using (built[int(column("level")) + 1] = column("build_seconds")) nooutput
-gap = STATS_max > 0 ? 0.19 : 0.115 # of the levels in the legend
-across = STATS_max > 0 ? 5 : 8
+gap = STATS_max > 0 ? 0.235 : 0.115 # of the levels in the legend
+across = STATS_max > 0 ? 4 : 7
 stats data using (strcol("quadrature") eq 'preintegrated' ? 1 : 0) nooutput
 preintegrated = STATS_max > 0
 stats data using (column("error")) nooutput
@@ -48,7 +48,8 @@ count = words(series)
 rows_of(n, columns) = (n + columns - 1) / columns
 row = 18.0
 list_rows = rows_of(fronts, 2)
-legend_rows = rows_of(count, 4) + 1
+level_rows = rows_of(levels + preintegrated, across)
+legend_rows = rows_of(count, 4) + level_rows
 width = 980
 list_top = 26 + row * (list_rows + 1)
 legend_top = list_top + 10 + row * legend_rows
@@ -72,10 +73,12 @@ set format y '10^{%T}'
 do for [i = 1:count] {
     set label 100 + i word(series, i) at screen 0.075 + 0.235 * ((i - 1) % 4), screen (legend_top - row * (0.5 + (i - 1) / 4)) / height left offset 1.3, -0.3 point lt i ps 0.95 * point_scale noenhanced
 }
+level_x(k) = 0.075 + gap * (k % across)
+level_y(k) = list_top + 10 + row * (level_rows - 0.5 - k / across)
 do for [k = 0:levels - 1] {
-    set label 200 + k sprintf('level %d%s', k, built[k + 1] > 0 ? sprintf(', built in %.3g s', built[k + 1]) : '') at screen 0.075 + gap * (k % across), screen (list_top + 10 + 0.5 * row) / height left offset 1.3, -0.3 point lt 1 lc rgb ink ps size_of(k)
+    set label 200 + k sprintf('level %d%s', k, built[k + 1] > 0 ? sprintf(', built in %.3g s', built[k + 1]) : '') at screen level_x(k), screen level_y(k) / height left offset 1.3, -0.3 point lt 1 lc rgb ink ps size_of(k)
 }
-if (preintegrated) set label 300 'with a cross: pre-integrated' at screen 0.075 + gap * (levels % across), screen (list_top + 10 + 0.5 * row) / height left offset 1.3, -0.3 point pt 1 ps 0.7 * point_scale lc rgb ink
+if (preintegrated) set label 300 'with a cross: pre-integrated' at screen level_x(levels), screen level_y(levels) / height left offset 1.3, -0.3 point pt 1 ps 0.7 * point_scale lc rgb ink
 do for [n = 1:fronts] {
     set label 400 + n sprintf('%d  %s%s', n, rows > 1 ? name_of(whose[n]) . ': ' : '', setting[n]) at screen 0.065 + 0.47 * ((n - 1) / list_rows), screen (list_top - row * (1.5 + (n - 1) % list_rows)) / height left noenhanced font small
 }
