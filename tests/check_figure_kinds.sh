@@ -55,7 +55,7 @@ kind chart tried --letters
 check a_chart_needs_no_kind "$ISOSHADE" figure tried --width 85 --dpi 72 --formats latex --letters -q -o usual
 check and_is_drawn_as_with_one cmp usual/caption.txt chart/caption.txt
 kind plan v.nrrd --error 0.2 --size 48 # the size that plans are measured at
-kind slices v.nrrd --levels 2 --map viridis
+kind slices v.nrrd --levels 2 --map viridis --unit um
 kind levels ml.nrrd --scene "$top/refscenes/marschner-lobb.scene.json" --levels 2 --methods default,optimized
 kind grid v.nrrd --with gl,cpu --levels 2 --adapt
 kind renderers v.nrrd --with gl --level 1 --size 48x24
@@ -164,6 +164,8 @@ for name in levels renderers methods failure plan turntable; do
 done
 check and_is_that_of_level_0_where_others_have_their_own grep -q 'Bar: the transfer function of level 0' failure/caption.txt
 notice a_figure_without_one_is_noticed grep -q 'Bar:' slices/caption.txt
+check lengths_have_their_symbol grep -q 'Scale bar: [0-9]* µm' slices/caption.txt
+check also_in_latex grep -q '[0-9] $.mu$m' slices/figure-latex.tex
 rm -f l-*.ppm && pdfimages lettered/figure.pdf l
 corner() { tail -c "$(awk 'NR == 2 {print 3 * $1 * $2; exit}' "$1")" "$1" | head -c 3 | od -An -tu1 | tr -d ' '; }
 check the_background_is_paper test "$(corner l-000.ppm)" = 255255255

@@ -182,7 +182,7 @@ static scale_bar find_place(const iso_page *p, const iso_page_box *box, const is
         double unit_mm;
         const char *unit = iso_unit_fitting(bar.length_mm, &unit_mm);
         iso_page_number(bar.length_mm / unit_mm, bar.length_mm / unit_mm, bar.text);
-        strcat(strcat(bar.text, " "), unit);
+        strcat(strcat(bar.text, " "), iso_unit_symbol(unit));
         const double wide = fmax(bar.width, iso_page_text_mm(p, ISO_PAGE_NOTE, bar.text));
         for (size_t i = 0; i < CORNERS && wide < most_of_width * box->width; ++i) {
             bar.at = corners[i];

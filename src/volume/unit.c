@@ -69,10 +69,15 @@ const char *iso_unit_fitting(double length_mm, double *unit_mm)
     return "m";
 }
 
+const char *iso_unit_symbol(const char *name)
+{
+    return strcmp(name, "um") == 0 ? "µm" : strcmp(name, "angstrom") == 0 ? "Å" : name;
+}
+
 char *iso_unit_text(double length_mm, int digits, char *text, size_t size)
 {
     double unit_mm;
     const char *name = iso_unit_fitting(length_mm, &unit_mm);
-    snprintf(text, size, "%.*g %s", digits, length_mm / unit_mm, name);
+    snprintf(text, size, "%.*g %s", digits, length_mm / unit_mm, iso_unit_symbol(name));
     return text;
 }

@@ -19,5 +19,7 @@ iso_status iso_unit_parse(const char *option, const char *text, double *mm, cons
 
 /* Returns the unit in which a length is neither tiny nor huge: angstrom, nm, um, mm or m; mm from 0.01 to 10 000. */
 const char *iso_unit_fitting(double length_mm, double *unit_mm);
-/* Writes "2.5 um": a length in the unit that fits, with so many digits. Returns the text. */
+/* Returns the symbol that pictures and texts for people have in place of --unit's spelling: "µm", "Å", else the name. */
+const char *iso_unit_symbol(const char *name);
+/* Writes "2.5 µm": a length in the unit that fits, with so many digits. Returns the text. */
 char *iso_unit_text(double length_mm, int digits, char *text, size_t size);
