@@ -77,8 +77,9 @@ typedef struct iso_cast {
                         * kept as floats, scaled to their range */
     const uint16_t *integers; /* scalars alone: these ... */
     const float *floats;      /* ... or these */
-    const uint32_t *voxels;   /* or two words per voxel, which one fetch takes: three bytes of code, and the scalar, as
-                               * an integer or as a float's bits */
+    const uint32_t *voxels;   /* or voxel_words per voxel, which one fetch takes: three bytes of code, and the scalar in
+                               * the fourth, or in a second word, as an integer or as a float's bits */
+    int32_t voxel_words;
     bool labels;              /* not filtered */
     /* Bricks of mixed resolution, otherwise NULL: the first node of each times 8, plus its level; -1: it is left out.
      * Its nodes are scalars alone as above, integers in 65535 steps of the range; or they have directions, too: */

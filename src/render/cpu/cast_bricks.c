@@ -32,8 +32,8 @@ static void row_of(const iso_cast_grid *g, size_t brick, size_t row, brick_row *
         r->x[i] = r->start + iso_cast_inner(b[0] * ISO_CAST_BRICK + i, g->size[0]);
 }
 
-/* out[i] of each voxel v of all rows of all bricks of grid. */
-#define FILL(out, expression) \
+/* The statement for the voxel v of each place `at` of all rows of all bricks of grid. */
+#define FILL(statement) \
     do { \
         const size_t bricks = grid->voxels / ISO_CAST_VOXELS; \
         _Pragma("omp parallel for schedule(static) num_threads(grid->threads)") for (size_t brick = 0; brick < bricks; \
@@ -45,8 +45,8 @@ static void row_of(const iso_cast_grid *g, size_t brick, size_t row, brick_row *
             brick_row r; \
             row_of(grid, brick, row, &r); \
             for (size_t i = 0; i < ISO_CAST_ROW; ++i) { \
-                const size_t v = r.x[i]; \
-                (out)[brick * ISO_CAST_VOXELS + row * ISO_CAST_ROW + i] = (expression); \
+                const size_t v = r.x[i], at = brick * ISO_CAST_VOXELS + row * ISO_CAST_ROW + i; \
+                statement; \
             } \
         } \
     } while (0)
@@ -63,7 +63,7 @@ uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const iso_cast_scal
 {
     uint16_t *out = make(grid, sizeof *out);
     if (out)
-        FILL(out, iso_cast_integer(s, scalar[v]));
+        FILL(out[at] = iso_cast_integer(s, scalar[v]));
     return out;
 }
 
@@ -71,7 +71,7 @@ float *iso_cast_brick_floats(const iso_cast_grid *grid, const iso_cast_scalars *
 {
     float *out = make(grid, sizeof *out);
     if (out)
-        FILL(out, iso_cast_part(s, scalar[v]));
+        FILL(out[at] = iso_cast_part(s, scalar[v]));
     return out;
 }
 
@@ -79,21 +79,18 @@ uint16_t *iso_cast_brick_bytes(const iso_cast_grid *grid, const uint8_t *bytes)
 {
     uint16_t *out = make(grid, sizeof *out);
     if (out)
-        FILL(out, bytes[v]);
+        FILL(out[at] = bytes[v]);
     return out;
 }
-
-typedef struct voxel_words {
-    uint32_t code, scalar;
-} voxel_words;
 
 uint32_t *iso_cast_brick_voxels(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar,
                                 const uint8_t *codes, bool is_signed)
 {
-    voxel_words *out = make(grid, sizeof *out);
+    const size_t words = (size_t)iso_cast_voxel_words(s);
+    uint32_t *out = make(grid, words * sizeof *out);
     if (out)
-        FILL(out, ((voxel_words){iso_cast_code_word(codes + 3 * v, is_signed), iso_cast_scalar_word(s, scalar[v])}));
-    return (uint32_t *)out;
+        FILL(iso_cast_put_voxel(s, scalar[v], codes + 3 * v, is_signed, out + words * at));
+    return out;
 }
 
 static float component_of(const iso_sampler *sampler, size_t voxel, int component)
@@ -107,7 +104,7 @@ float *iso_cast_brick_component(const iso_cast_grid *grid, const iso_sampler *sa
 {
     float *out = make(grid, sizeof *out);
     if (out)
-        FILL(out, component_of(sampler, v, component));
+        FILL(out[at] = component_of(sampler, v, component));
     return out;
 }
 
@@ -127,7 +124,7 @@ iso_cast_box iso_cast_box_of(const size_t size[3], const size_t brick_count[3], 
 
 size_t iso_cast_voxel_bytes(const iso_cast_scalars *s, bool is_lit)
 {
-    return is_lit ? 2 * sizeof(uint32_t) : s->are_integers ? sizeof(uint16_t) : sizeof(float);
+    return is_lit ? (size_t)iso_cast_voxel_words(s) * sizeof(uint32_t) : s->are_integers ? sizeof(uint16_t) : sizeof(float);
 }
 
 bool iso_cast_pool_create(iso_cast_pool *pool, const iso_cast_scalars *s, bool is_lit, size_t count, size_t *bytes)
@@ -160,6 +157,7 @@ void iso_cast_pool_fill(const iso_cast_pool *pool, const iso_cast_scalars *s, bo
                         const iso_cast_box *box, const float *scalars, const uint8_t *codes, size_t page)
 {
     size_t out = page * ISO_CAST_VOXELS, at[3][ISO_CAST_ROW];
+    uint32_t *voxel = pool->voxels ? pool->voxels + out * (size_t)iso_cast_voxel_words(s) : NULL;
     for (int a = 0; a < 3; ++a)
         for (size_t i = 0; i < ISO_CAST_ROW; ++i)
             at[a][i] = iso_cast_inner(box->start[a] + i, size[a]) - box->first[a];
@@ -168,14 +166,12 @@ void iso_cast_pool_fill(const iso_cast_pool *pool, const iso_cast_scalars *s, bo
         const size_t first = box->count[0] * (y + box->count[1] * z);
         for (size_t i = 0; i < ISO_CAST_ROW; ++i, ++out) {
             const size_t v = first + at[0][i];
-            if (pool->voxels) {
-                pool->voxels[2 * out] = iso_cast_code_word(codes + 3 * v, is_signed);
-                pool->voxels[2 * out + 1] = iso_cast_scalar_word(s, scalars[v]);
-            } else if (pool->integers) {
+            if (voxel)
+                voxel = iso_cast_put_voxel(s, scalars[v], codes + 3 * v, is_signed, voxel);
+            else if (pool->integers)
                 pool->integers[out] = iso_cast_integer(s, scalars[v]);
-            } else {
+            else
                 pool->floats[out] = iso_cast_part(s, scalars[v]);
-            }
         }
     }
 }

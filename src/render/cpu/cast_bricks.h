@@ -38,6 +38,12 @@ typedef struct iso_cast_scalars {
     double min, range; /* of the level */
 } iso_cast_scalars;
 
+/* Counts the words of a voxel with its code: one if the scalar is a byte. */
+static inline int iso_cast_voxel_words(const iso_cast_scalars *s)
+{
+    return s->are_integers && s->range <= 255 ? 1 : 2;
+}
+
 static inline uint16_t iso_cast_integer(const iso_cast_scalars *s, float scalar)
 {
     return (uint16_t)(scalar - (float)s->min); /* whole numbers below 2^17: exact */
@@ -56,6 +62,20 @@ static inline uint32_t iso_cast_scalar_word(const iso_cast_scalars *s, float sca
     uint32_t word;
     memcpy(&word, &part, sizeof word);
     return word;
+}
+
+/* Writes the words of a voxel with its code. Returns the place of the next. */
+static inline uint32_t *iso_cast_put_voxel(const iso_cast_scalars *s, float scalar, const uint8_t *code, bool is_signed,
+                                           uint32_t *out)
+{
+    const uint32_t word = iso_cast_code_word(code, is_signed), value = iso_cast_scalar_word(s, scalar);
+    if (iso_cast_voxel_words(s) == 1) {
+        *out++ = word | value << 24;
+    } else {
+        *out++ = word;
+        *out++ = value;
+    }
+    return out;
 }
 
 /* Voxels of a brick: of the grid, which repeats the outermost ones, and the box of the level that they come from. */
@@ -84,7 +104,7 @@ void iso_cast_pool_fill(const iso_cast_pool *pool, const iso_cast_scalars *s, bo
 uint16_t *iso_cast_brick_integers(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar);
 float *iso_cast_brick_floats(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar);
 uint16_t *iso_cast_brick_bytes(const iso_cast_grid *grid, const uint8_t *bytes);
-/* Creates two words per voxel: code and scalar. */
+/* Creates iso_cast_voxel_words() per voxel. */
 uint32_t *iso_cast_brick_voxels(const iso_cast_grid *grid, const iso_cast_scalars *s, const float *scalar,
                                 const uint8_t *codes, bool is_signed);
 float *iso_cast_brick_component(const iso_cast_grid *grid, const iso_sampler *sampler, int component);

@@ -81,7 +81,8 @@ CAST void fetch_cells(const iso_cast *c, const vi cell[3])
     int32_t voxel[ISO_CAST_WIDTH];
     memcpy(voxel, &at, sizeof voxel);
     for (int i = 0; i < ISO_CAST_WIDTH; ++i)
-        __builtin_prefetch((const void *)((uintptr_t)c->voxels + 2 * sizeof *c->voxels * (uintptr_t)(intptr_t)voxel[i]));
+        __builtin_prefetch((const void *)((uintptr_t)c->voxels + sizeof *c->voxels * (size_t)c->voxel_words *
+                                                                     (uintptr_t)(intptr_t)voxel[i]));
 }
 
 /* ---- bricks of mixed resolution ---- */
@@ -195,10 +196,13 @@ CAST vf filter_floats(const float *values, const place *at)
     return lerp_in_cell(v, at->part);
 }
 
-/* Reads four consecutive words: of two voxels, each with its code and its scalar. */
+/* Reads two neighboring voxels: code, scalar, code, scalar. Above a code may be its scalar. */
 CAST word_quad row_of_voxels(const iso_cast *c, const place *at, int row)
 {
-    return gather_quads(c->voxels + 2 * CELL_ROW(row), at->voxel, 2);
+    if (c->voxel_words == 2)
+        return gather_quads(c->voxels + 2 * CELL_ROW(row), at->voxel, 2);
+    const word_quad q = gather_quads(c->voxels + CELL_ROW(row), at->voxel, 1);
+    return (word_quad){{q.word[0], (vi)((vu)q.word[0] >> 24), q.word[1], (vi)((vu)q.word[1] >> 24)}};
 }
 
 CAST vf filter_voxels(const iso_cast *c, const place *at)
@@ -251,6 +255,8 @@ CAST vf label_at(const iso_cast *c, const place *at, const points *p)
 {
     const vi voxel = nearest_voxel(at->voxel, p);
     if (c->voxels) {
+        if (c->voxel_words == 1)
+            return to_float((vi)((vu)GATHER(c->voxels, voxel, 4) >> 24));
         const vi word = GATHER(c->voxels + 1, voxel, 8);
         return c->has_integers ? to_float(word) : (vf)word;
     }

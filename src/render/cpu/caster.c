@@ -186,7 +186,7 @@ static iso_status set_codes(iso_cpu_scene *s, const iso_cast_grid *grid, const i
     const iso_cast_scalars scalars = iso_cast_scalars_of(level);
     uint32_t *made = iso_cast_brick_voxels(grid, &scalars, level->scalar, level->codes, info->is_signed);
     s->cast.voxels = made;
-    return iso_cast_own(s, made, 2 * grid->voxels * sizeof *made, err);
+    return iso_cast_own(s, made, (size_t)s->cast.voxel_words * grid->voxels * sizeof *made, err);
 }
 
 static iso_status set_vectors(iso_cpu_scene *s, const iso_cast_grid *grid, const iso_sampler *sampler, iso_error *err)
@@ -408,6 +408,7 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
     iso_cast_set_code(&s->cast, code, iso_view_is_lit(view));
     s->cast.labels = level->labels;
     s->cast.has_integers = scalars.are_integers;
+    s->cast.voxel_words = iso_cast_voxel_words(&scalars);
     set_gradient(&s->cast, level, unit);
     NEED(makes_bricks(level, view, opt) ? check_samples(view, opt, err)
                                         : set_level(s, &grid, level, code, view, opt, err));

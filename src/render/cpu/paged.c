@@ -148,6 +148,7 @@ static iso_status set_scene(paged *p, iso_code code, const iso_view *view, doubl
     iso_cast_set_light(c, view);
     c->labels = p->level->labels;
     c->has_integers = p->scalars.are_integers;
+    c->voxel_words = iso_cast_voxel_words(&p->scalars);
     iso_cast_set_code(c, code, p->is_lit);
     p->entries = iso_cast_set_tf(c, view, p->level->min, iso_cast_unit(&p->scalars), &bytes);
     return p->entries ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "paged: no memory for the transfer function");
