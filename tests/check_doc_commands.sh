@@ -54,7 +54,6 @@ SMALL = [
     ("isoshade-lab ghosts", "--levels 2"),
     ("isoshade-lab tf", "--size 24 --runs 1"),
     ("isoshade-lab reference", "--size 6"),
-    ("bench cast", "--image 16 --truth 8 --rounds 1"),
     ("bench scale", "--largest 64"),
     ("bench render", "--image 16 --runs 1 --size 32"),
     ("isoshade-lab convergence", "--steps 2 --size 8"),

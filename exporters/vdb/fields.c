@@ -90,62 +90,25 @@ static iso_vdb_source describe(const iso_vdb_fields *f, const iso_vdb_field *fie
     return s;
 }
 
-typedef struct fields_file {
-    const iso_openvdb *openvdb;
-    iso_vdb_file *file;
-    const char *path; /* for messages */
-} fields_file;
-
 /* Writes the file's metadata, with the keys of vdb.h. */
-static iso_status note(const fields_file *to, const iso_vdb_fields *f, iso_error *err)
+static iso_status note(const iso_vdb_job *job, void *user, iso_error *err)
 {
-    const char *const entries[][2] = {{"creator", "isoshade " ISO_VERSION},
-                                      {"source", f->made_from},
-                                      {"values", f->values},
-                                      {"units", f->convention.unit}};
-    for (size_t i = 0; i < sizeof entries / sizeof *entries; ++i) {
-        iso_vdb_message message = {""};
-        if (*entries[i][1] && to->openvdb->note(to->file, entries[i][0], entries[i][1], &message) != ISO_OPENVDB_OK)
-            return iso_fail(err, ISO_E_PROGRAM, "%s: OpenVDB: %s", to->path, message.text);
-    }
-    return ISO_OK;
+    const iso_vdb_fields *f = *(const iso_vdb_fields **)user;
+    NEED(iso_vdb_note(job, "creator", "isoshade " ISO_VERSION, err));
+    NEED(iso_vdb_note(job, "source", f->made_from, err));
+    NEED(iso_vdb_note(job, "values", f->values, err));
+    return iso_vdb_note(job, "units", f->convention.unit, err);
 }
 
-static iso_status add(const fields_file *to, const iso_vdb_fields *f, size_t i, iso_error *err)
+static iso_status add(const iso_vdb_job *job, void *user, size_t i, iso_error *err)
 {
+    const iso_vdb_fields *f = *(const iso_vdb_fields **)user;
     const iso_vdb_source source = describe(f, &f->items[i]);
-    iso_vdb_message message = {""};
-    const int code = to->openvdb->add(to->file, &source, &message);
-    if (code == ISO_OPENVDB_OK)
-        return ISO_OK;
-    return iso_fail(err, code == ISO_OPENVDB_MEMORY ? ISO_E_MEMORY : ISO_E_PROGRAM, "%s: OpenVDB: %s", to->path,
-                    message.text);
+    return iso_vdb_add(job, &source, err);
 }
 
 iso_status iso_vdb_save_fields(const iso_vdb_fields *f, const char *path, const iso_progress *progress, iso_error *err)
 {
-    ENDED_BY(iso_output_abandon) iso_output out = {0};
-    const char *stage = f->nanovdb ? "NanoVDB grids" : "OpenVDB grids";
-    const iso_openvdb_form form = f->nanovdb ? ISO_OPENVDB_NANO : ISO_OPENVDB_PLAIN;
     NEED(check_size(f, path, err));
-    const iso_openvdb *openvdb = iso_vdb_library(path, err);
-    iso_status status = openvdb ? iso_output_begin(&out, path, err) : ISO_E_MISSING;
-    if (status != ISO_OK)
-        return status;
-    const fields_file to = {openvdb, openvdb->create(), path};
-    if (!to.file)
-        status = iso_fail(err, ISO_E_MEMORY, "%s: OpenVDB cannot be started", path);
-    for (size_t i = 0; i < f->count && status == ISO_OK; ++i) {
-        iso_progress_report(progress, stage, (double)i / (double)(f->count + 1));
-        status = iso_progress_check(progress, err);
-        TRY(status, add(&to, f, i, err));
-    }
-    TRY(status, note(&to, f, err));
-    iso_vdb_message message = {""};
-    if (status == ISO_OK && openvdb->write(to.file, out.temp_path, form, &message) != ISO_OPENVDB_OK)
-        status = iso_fail(err, ISO_E_IO, "%s: OpenVDB: %s", path, message.text);
-    openvdb->destroy(to.file);
-    TRY(status, iso_output_commit(&out, err));
-    iso_progress_report(progress, stage, 1);
-    return status;
+    return iso_vdb_save_file(&(iso_vdb_contents){note, add, &f, f->count, NULL, f->nanovdb}, path, progress, err);
 }

@@ -122,85 +122,100 @@ typedef struct save_job {
     const iso_lattice *lattices;
     const char *made_from;
     size_t count;
+    iso_vdb_grids *grids; /* count */
 } save_job;
 
-static iso_status note(const iso_vdb_job *job, const char *key, const char *text, iso_error *err)
+static iso_status result(const iso_vdb_job *job, int code, const iso_vdb_message *message, iso_error *err)
+{
+    return code == ISO_OPENVDB_OK ? ISO_OK : iso_vdb_fail(code, job->path, message, err);
+}
+
+iso_status iso_vdb_note(const iso_vdb_job *job, const char *key, const char *text, iso_error *err)
 {
     iso_vdb_message message = {""};
     const int code = text && *text ? job->openvdb->note(job->file, key, text, &message) : ISO_OPENVDB_OK;
-    return code == ISO_OPENVDB_OK ? ISO_OK : iso_vdb_fail(code, job->path, &message, err);
+    return result(job, code, &message, err);
 }
 
-/* Writes the file's metadata. */
-static iso_status note_file(const iso_vdb_job *job, const char *made_from, const iso_geometry *g, iso_error *err)
-{
-    const iso_vdb_options *o = job->opt;
-    const iso_vdb_source source = iso_vdb_describe(g, made_from, o);
-    char units[64];
-    snprintf(units, sizeof units, *source.unit ? "%s" : "%s%.9g mm", source.unit, source.unit_mm);
-    NEED(note(job, "creator", o->creator, err));
-    NEED(note(job, "source", source.made_from, err));
-    NEED(note(job, "units", units, err));
-    return note(job, "command", o->command, err);
-}
-
-/* Notes that values are no data: an optimized level has those that show a scene best (plan/optimize.h). */
-static iso_status note_optimized(const iso_vdb_job *job, const save_job *what, iso_error *err)
-{
-    bool is_optimized = false;
-    for (size_t i = 0; what->pyramid && i < what->count; ++i)
-        is_optimized = is_optimized || what->pyramid->levels[what->first + i].is_optimized;
-    return is_optimized ? note(job, "values", ISO_OPTIMIZED_VALUES, err) : ISO_OK;
-}
-
-static iso_status add(const iso_vdb_job *job, const save_job *what, size_t i, iso_vdb_grids *grids, iso_error *err)
-{
-    const iso_vdb_shown *shown = job->opt->shown ? &job->opt->shown[i] : NULL;
-    return what->pyramid ? iso_vdb_add_level(job, what->pyramid, what->first + i, shown, grids, err)
-                         : iso_vdb_add_lattice(job, &what->lattices[i], what->made_from, grids, err);
-}
-
-static iso_status write(const iso_vdb_job *job, const char *path, iso_error *err)
+iso_status iso_vdb_add(const iso_vdb_job *job, const iso_vdb_source *source, iso_error *err)
 {
     iso_vdb_message message = {""};
-    const iso_openvdb_form form = job->opt->nanovdb           ? ISO_OPENVDB_NANO
-                                  : job->opt->half_directions ? ISO_OPENVDB_SMALL
-                                                              : ISO_OPENVDB_PLAIN;
-    const int code = job->openvdb->write(job->file, path, form, &message);
-    return code == ISO_OPENVDB_OK ? ISO_OK : iso_vdb_fail(code, job->path, &message, err);
+    return result(job, job->openvdb->add(job->file, source, &message), &message, err);
 }
 
-static iso_status save(const save_job *what, const char *path, const iso_vdb_options *opt, const iso_progress *progress,
-                       iso_error *err)
+static iso_status write(const iso_vdb_job *job, const char *path, bool nanovdb, iso_error *err)
+{
+    iso_vdb_message message = {""};
+    const bool is_small = job->opt && job->opt->half_directions;
+    const iso_openvdb_form form = nanovdb ? ISO_OPENVDB_NANO : is_small ? ISO_OPENVDB_SMALL : ISO_OPENVDB_PLAIN;
+    return result(job, job->openvdb->write(job->file, path, form, &message), &message, err);
+}
+
+iso_status iso_vdb_save_file(const iso_vdb_contents *c, const char *path, const iso_progress *progress, iso_error *err)
 {
     ENDED_BY(iso_output_abandon) iso_output out = {0};
+    const char *stage = c->nanovdb ? "NanoVDB grids" : "OpenVDB grids";
     const iso_openvdb *openvdb = iso_vdb_library(path, err);
     iso_status status = openvdb ? iso_output_begin(&out, path, err) : ISO_E_MISSING;
     if (status != ISO_OK)
         return status;
-    const char *stage = opt->nanovdb ? "NanoVDB grids" : "OpenVDB grids";
-    const iso_vdb_job job = {openvdb, openvdb->create(), path, opt, what->count == 1};
-    iso_vdb_grids *grids = calloc(what->count, sizeof *grids);
-    if (!job.file || !grids)
+    const iso_vdb_job job = {openvdb, openvdb->create(), path, c->opt, c->count == 1};
+    if (!job.file)
         status = iso_fail(err, ISO_E_MEMORY, "%s: OpenVDB cannot be started", path);
-    TRY(status,
-        note_file(&job, what->pyramid ? what->pyramid->source : what->made_from,
-                  what->pyramid ? &what->pyramid->levels[what->first].geometry : &what->lattices[0].geometry, err));
-    TRY(status, note_optimized(&job, what, err));
-    for (size_t i = 0; i < what->count && status == ISO_OK; ++i) {
-        iso_progress_report(progress, stage, (double)i / (double)(2 * what->count));
+    TRY(status, c->note(&job, c->user, err));
+    for (size_t i = 0; i < c->count && status == ISO_OK; ++i) {
+        iso_progress_report(progress, stage, (double)i / (double)(2 * c->count));
         status = iso_progress_check(progress, err);
-        TRY(status, add(&job, what, i, &grids[i], err));
+        TRY(status, c->add(&job, c->user, i, err));
     }
     iso_progress_report(progress, stage, 0.5);
     TRY(status, iso_progress_check(progress, err));
-    TRY(status, write(&job, out.temp_path, err));
+    TRY(status, write(&job, out.temp_path, c->nanovdb, err));
     openvdb->destroy(job.file);
-    for (size_t i = 0; grids && i < what->count; ++i)
-        iso_vdb_grids_destroy(&grids[i]);
-    free(grids);
     TRY(status, iso_output_commit(&out, err));
     iso_progress_report(progress, stage, 1);
+    return status;
+}
+
+/* Writes the file's metadata, and whether values are no data: an optimized level has those that show a scene best
+ * (plan/optimize.h). */
+static iso_status note(const iso_vdb_job *job, void *user, iso_error *err)
+{
+    const save_job *what = user;
+    const iso_vdb_options *o = job->opt;
+    const iso_pyramid *p = what->pyramid;
+    const char *made_from = p ? p->source : what->made_from;
+    const iso_vdb_source source = iso_vdb_describe(p ? &p->levels[what->first].geometry : &what->lattices[0].geometry,
+                                                   made_from, o);
+    bool is_optimized = false;
+    char units[64];
+    snprintf(units, sizeof units, *source.unit ? "%s" : "%s%.9g mm", source.unit, source.unit_mm);
+    for (size_t i = 0; p && i < what->count; ++i)
+        is_optimized = is_optimized || p->levels[what->first + i].is_optimized;
+    NEED(iso_vdb_note(job, "creator", o->creator, err));
+    NEED(iso_vdb_note(job, "source", source.made_from, err));
+    NEED(iso_vdb_note(job, "units", units, err));
+    NEED(iso_vdb_note(job, "command", o->command, err));
+    return iso_vdb_note(job, "values", is_optimized ? ISO_OPTIMIZED_VALUES : "", err);
+}
+
+static iso_status add(const iso_vdb_job *job, void *user, size_t i, iso_error *err)
+{
+    const save_job *what = user;
+    const iso_vdb_shown *shown = job->opt->shown ? &job->opt->shown[i] : NULL;
+    return what->pyramid ? iso_vdb_add_level(job, what->pyramid, what->first + i, shown, &what->grids[i], err)
+                         : iso_vdb_add_lattice(job, &what->lattices[i], what->made_from, &what->grids[i], err);
+}
+
+static iso_status save(save_job *what, const char *path, const iso_vdb_options *opt, const iso_progress *progress,
+                       iso_error *err)
+{
+    FREED iso_vdb_grids *grids = what->grids = calloc(what->count, sizeof *grids);
+    NEED_MEMORY(grids, err, "%s: no memory for %zu grids", path, what->count);
+    const iso_status status = iso_vdb_save_file(&(iso_vdb_contents){note, add, what, what->count, opt, opt->nanovdb},
+                                                path, progress, err);
+    for (size_t i = 0; i < what->count; ++i)
+        iso_vdb_grids_destroy(&grids[i]);
     return status;
 }
 
@@ -235,13 +250,13 @@ iso_status iso_vdb_save(const iso_pyramid *p, size_t first, size_t count, const 
                         const iso_progress *progress, iso_error *err)
 {
     NEED(check_levels(p, first, count, path, opt, err));
-    const save_job job = {.pyramid = p, .first = first, .count = count};
+    save_job job = {.pyramid = p, .first = first, .count = count};
     return save(&job, path, opt, progress, err);
 }
 
 iso_status iso_vdb_save_lattices(const iso_lattice *lattices, size_t count, const char *made_from, const char *path,
                                  const iso_vdb_options *opt, const iso_progress *progress, iso_error *err)
 {
-    const save_job job = {.lattices = lattices, .count = count, .made_from = made_from};
+    save_job job = {.lattices = lattices, .count = count, .made_from = made_from};
     return save(&job, path, opt, progress, err);
 }

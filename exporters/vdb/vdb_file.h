@@ -40,14 +40,29 @@ typedef struct iso_vdb_grids {
     iso_vdb_reversed reversed[ISO_VDB_MAX_GRIDS];
 } iso_vdb_grids;
 
-/* The data being saved. */
+/* The file being saved. */
 typedef struct iso_vdb_job {
     const iso_openvdb *openvdb;
     iso_vdb_file *file;
     const char *path;
-    const iso_vdb_options *opt;
+    const iso_vdb_options *opt; /* NULL for fields */
     bool plain_names;
 } iso_vdb_job;
+
+/* Contents of a file: note() adds its metadata, add() one of `count` parts, which are one or more grids. */
+typedef struct iso_vdb_contents {
+    iso_status (*note)(const iso_vdb_job *job, void *user, iso_error *err);
+    iso_status (*add)(const iso_vdb_job *job, void *user, size_t i, iso_error *err);
+    void *user;
+    size_t count;
+    const iso_vdb_options *opt;
+    bool nanovdb;
+} iso_vdb_contents;
+iso_status iso_vdb_save_file(const iso_vdb_contents *contents, const char *path, const iso_progress *progress,
+                             iso_error *err);
+/* Adds an entry to the metadata, unless the text is NULL or empty. */
+iso_status iso_vdb_note(const iso_vdb_job *job, const char *key, const char *text, iso_error *err);
+iso_status iso_vdb_add(const iso_vdb_job *job, const iso_vdb_source *source, iso_error *err);
 
 /* Loads the library. NULL and ISO_E_MISSING if that fails; path: the file to be written or read, for the message. */
 const iso_openvdb *iso_vdb_library(const char *path, iso_error *err);

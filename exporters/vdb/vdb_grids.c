@@ -233,10 +233,7 @@ static iso_status add_grids(const iso_vdb_job *job, const iso_vdb_source *common
         source.fog_volume = i == SCALAR && !source.labels && source.value_min >= 0 && source.background == 0;
         if (readers->reversed)
             reverse_rows(&source, &owner->reversed[i]);
-        iso_vdb_message message = {""};
-        int code = job->openvdb->add(job->file, &source, &message);
-        if (code != ISO_OPENVDB_OK)
-            return iso_vdb_fail(code, job->path, &message, err);
+        NEED(iso_vdb_add(job, &source, err));
     }
     return ISO_OK;
 }

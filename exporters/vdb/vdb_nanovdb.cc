@@ -14,10 +14,13 @@
 
 namespace {
 
-/* Statistics of the active values of a node, and their box. */
+using checksum = std::uint_fast32_t; /* as NanoVDB sums them up */
+
+/* Statistics of the active values of a node, their box, and the checksum of a written leaf. */
 template <typename Value> struct node_sums {
     nanovdb::Stats<Value> stats;
     nanovdb::CoordBBox box;
+    checksum crc = 0;
 
     void add(const node_sums &child)
     {
@@ -35,18 +38,10 @@ template <typename Value> struct node_sums {
     }
 };
 
-using checksum = std::uint_fast32_t; /* as NanoVDB sums them up */
-
 template <typename T> checksum checksum_of(const T *node)
 {
     return libdeflate_crc32(0, node, sizeof *node);
 }
-
-/* What remains of a written leaf. */
-template <typename Value> struct leaf_summary {
-    node_sums<Value> sums;
-    checksum crc;
-};
 
 /* Rounds a value as a half float does. */
 template <typename Value> Value halved(const Value &value)
@@ -61,7 +56,7 @@ template <typename Value> class nano_leaf_writer {
     using nano_leaf = nanovdb::NanoLeaf<nano_value>;
 
 public:
-    nano_leaf_writer(const iso_vdb_source &source, const nano_value &background, leaf_summary<nano_value> *done)
+    nano_leaf_writer(const iso_vdb_source &source, const nano_value &background, node_sums<nano_value> *done)
         : source_(source), background_(background), done_(done)
     {
     }
@@ -73,39 +68,38 @@ public:
 
     void write(const open_leaf &from, size_t number)
     {
+        node_sums<nano_value> &sums = done_[number];
         auto *leaf = reinterpret_cast<nano_leaf *>(room_);
         auto *data = leaf->data();
         std::memset(room_, 0, sizeof room_);
         data->mBBoxMin = nanovdb::Coord(from.origin().x(), from.origin().y(), from.origin().z());
         data->mValueMask = from.valueMask();
-        done_[number].sums = fill(from, data);
+        fill(from, data, sums.stats);
         leaf->updateBBox();
-        done_[number].sums.box = {data->mBBoxMin, data->mBBoxMin + nanovdb::Coord(data->mBBoxDif[0], data->mBBoxDif[1],
-                                                                                  data->mBBoxDif[2])};
-        done_[number].sums.store(data);
-        done_[number].crc = checksum_of(leaf);
+        sums.box = {data->mBBoxMin,
+                    data->mBBoxMin + nanovdb::Coord(data->mBBoxDif[0], data->mBBoxDif[1], data->mBBoxDif[2])};
+        sums.store(data);
+        sums.crc = checksum_of(leaf);
         bytes_.append(room_, sizeof room_);
     }
 
 private:
-    node_sums<nano_value> fill(const open_leaf &from, typename nano_leaf::DataType *data)
+    void fill(const open_leaf &from, typename nano_leaf::DataType *data, nanovdb::Stats<nano_value> &stats)
     {
         const size_t count = iso_vdb::read_active(source_, from, values_);
-        node_sums<nano_value> sums;
         if (source_.half_float)
             std::transform(values_, values_ + count, values_, halved<Value>);
         std::fill_n(data->mValues, static_cast<size_t>(open_leaf::SIZE), background_);
         const Value *value = values_;
         for (auto i = data->mValueMask.beginOn(); i; ++i) {
             data->mValues[*i] = *value++;
-            sums.stats.add(data->mValues[*i]);
+            stats.add(data->mValues[*i]);
         }
-        return sums;
     }
 
     const iso_vdb_source &source_;
     const nano_value &background_;
-    leaf_summary<nano_value> *done_;
+    node_sums<nano_value> *done_;
     std::string bytes_;
     Value values_[open_leaf::SIZE];
     alignas(32) char room_[sizeof(nano_leaf)];
@@ -212,14 +206,14 @@ private:
             leaves.push_back(&*i);
         }
         const iso_vdb::leaf_run<open_leaf> run = {leaves.data(), leaves.size()};
-        std::vector<leaf_summary<nano_value>> done(run.count);
+        std::vector<sums> done(run.count);
         iso_vdb::prepare_run(run, source_);
         iso_vdb::write_run(out_, run, source_,
                            [&] { return nano_leaf_writer<Value>(source_, root()->mBackground, done.data()); });
         sums all;
-        for (const auto &summary : done) {
-            all.add(summary.sums);
-            crcs_[LEAF].push_back(summary.crc);
+        for (const sums &leaf_sums : done) {
+            all.add(leaf_sums);
+            crcs_[LEAF].push_back(leaf_sums.crc);
         }
         return all;
     }
@@ -305,43 +299,36 @@ private:
     std::vector<checksum> crcs_[END]; /* of nodes of each kind */
 };
 
-/* A grid to be written, and the source of its values. */
-struct sourced_grid {
-    const openvdb::GridBase *grid;
-    const iso_vdb_source *source;
+using sourced_grid = std::pair<const openvdb::GridBase *, const iso_vdb_source *>;
 
-    nanovdb::io::GridMetaData write(std::ostream &out, const std::string &values) const
-    {
-        return source->channels == 3 ? grid_writer<openvdb::Vec3f>(out, *grid, *source).write(values)
-                                     : grid_writer<float>(out, *grid, *source).write(values);
-    }
-
-    /* In the order of the names, but density first: many programs take the first grid. */
-    bool operator<(const sourced_grid &other) const
-    {
-        const std::string mine = grid->getName(), others = other.grid->getName();
-        const bool is_density = mine.rfind("density", 0) == 0, other_is = others.rfind("density", 0) == 0;
-        return is_density != other_is ? is_density : mine < others;
-    }
-};
+/* In the order of the names, but density first: many programs take the first grid. */
+bool comes_first(const sourced_grid &a, const sourced_grid &b)
+{
+    const std::string name = a.first->getName(), other = b.first->getName();
+    const bool is_density = name.rfind("density", 0) == 0, other_is = other.rfind("density", 0) == 0;
+    return is_density != other_is ? is_density : name < other;
+}
 
 } // namespace
 
 void iso_vdb::write_nanovdb(std::ostream &out, const iso_vdb_file &file)
 {
-    const auto note = file.about.getMetadata<openvdb::StringMetadata>("values");
+    const auto about = file.about.getMetadata<openvdb::StringMetadata>("values");
+    const std::string note = about ? about->value() : "";
     std::vector<sourced_grid> grids;
     nanovdb::io::Segment segment;
     auto source = file.sources.begin();
     std::streamoff head = sizeof segment.header;
     for (const auto &grid : file.grids) {
-        grids.push_back({grid.get(), &*source++});
+        grids.emplace_back(grid.get(), &*source++);
         head += static_cast<std::streamoff>(sizeof(nanovdb::io::MetaData) + grid->getName().size() + 1);
     }
-    std::sort(grids.begin(), grids.end());
+    std::sort(grids.begin(), grids.end(), comes_first);
     out.seekp(head);
-    for (const auto &grid : grids)
-        segment.meta.push_back(grid.write(out, note ? note->value() : ""));
+    for (const auto &g : grids)
+        segment.meta.push_back(g.second->channels == 3
+                                   ? grid_writer<openvdb::Vec3f>(out, *g.first, *g.second).write(note)
+                                   : grid_writer<float>(out, *g.first, *g.second).write(note));
     segment.header.gridCount = static_cast<std::uint16_t>(grids.size());
     out.seekp(0);
     segment.write(out);

@@ -388,7 +388,9 @@ static iso_status check(const iso_view *view, const iso_cast_grid *grid, double 
     if (!(step_voxels > 0 && isfinite(step_voxels)))
         return iso_fail(err, ISO_E_RANGE, "cpu: step %g voxels, must be above 0", step_voxels);
     if (grid->voxels > MOST_VOXELS)
-        return iso_fail(err, ISO_E_RANGE, "cpu: %zu voxels in bricks, at most %d", grid->voxels, (int)MOST_VOXELS);
+        return iso_fail(err, ISO_E_RANGE,
+                        "cpu: %zu voxels in bricks, at most %d; take a coarser level, or bricks of a pyramid on disk",
+                        grid->voxels, (int)MOST_VOXELS);
     return ISO_OK;
 }
 
