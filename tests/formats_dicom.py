@@ -253,7 +253,7 @@ def dicom_left_out():
     os.remove("cd/DICOMDIR")
     same("cd", phantom(), unit="mm")
     dicom_series("cd/IMAGES/OTHER", phantom() + 1, uid="1.2.3.5")
-    refused("cd", 2, "holds 2 series, --series must be one of: 1 \"phantom\" (7 files), 2 \"phantom\" (7 files)")
+    refused("cd", 2, "holds 2 series, --series must be one of: 1 \"phantom\" (7 files, in OTHER), 2 \"phantom\" (7 files, in SERIES)")
     # a multi-frame file for each time
     shutil.rmtree("times", ignore_errors=True)
     os.makedirs("times")

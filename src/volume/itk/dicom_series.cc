@@ -148,22 +148,27 @@ std::vector<std::string> properties_of(const DicomSeries &series)
     const double normal[3] = {std::fabs(u[1] * v[2] - u[2] * v[1]), std::fabs(u[2] * v[0] - u[0] * v[2]),
                               std::fabs(u[0] * v[1] - u[1] * v[0])};
     static const char *const planes[] = {"sagittal", "coronal", "axial"};
+    const fs::path path = file.path;
     char spacing[64];
     snprintf(spacing, sizeof spacing, "%.4g x %.4g mm", std::hypot(u[0], u[1], u[2]), std::hypot(v[0], v[1], v[2]));
     const std::string echo = key("0018|0081"), time = key("0008|0032");
-    return {std::to_string(file.columns) + " x " + std::to_string(file.rows), spacing,
-            planes[std::max_element(normal, normal + 3) - normal], echo.empty() ? "" : "echo at " + echo + " ms",
-            time.empty() ? "" : "at " + time};
+    return {std::to_string(file.columns) + " x " + std::to_string(file.rows),
+            spacing,
+            planes[std::max_element(normal, normal + 3) - normal],
+            echo.empty() ? "" : "echo at " + echo + " ms",
+            time.empty() ? "" : "at " + time,
+            "in " + (series.files.size() == 1 ? path : path.parent_path()).filename().string()};
 }
 
-/* Returns what tells a series apart from others of its name, each after a comma. */
+/* Returns what tells a series apart from others of its name, or from others without a name, each after a comma. */
 std::string difference_of(const std::vector<DicomSeries> &all, const DicomSeries &series)
 {
     const auto own = properties_of(series);
     std::vector<bool> differs(own.size());
     for (const auto &other : all) {
         const auto theirs = properties_of(other);
-        for (size_t i = 0; other.name == series.name && i < own.size(); ++i)
+        const bool is_named = series.name != series.files[0].series || other.name != other.files[0].series;
+        for (size_t i = 0; (other.name == series.name || !is_named) && i < own.size(); ++i)
             differs[i] = differs[i] || theirs[i] != own[i];
     }
     std::string text;
@@ -178,7 +183,8 @@ std::string difference_of(const std::vector<DicomSeries> &all, const DicomSeries
     std::string list;
     for (size_t i = 0; i < std::min(all.size(), listed); ++i)
         list += (i ? ", " : "") + std::to_string(i + 1) + " \"" + all[i].name + "\" (" +
-                std::to_string(all[i].files.size()) + " files" + difference_of(all, all[i]) + ")";
+                std::to_string(all[i].files.size()) + (all[i].files.size() == 1 ? " file" : " files") +
+                difference_of(all, all[i]) + ")";
     if (all.size() > listed)
         list += ", and " + std::to_string(all.size() - listed) + " more";
     fail(ISO_E_USAGE, folder + ": " +
