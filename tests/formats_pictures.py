@@ -307,6 +307,13 @@ def vti():
     image.SetExtent(-2, 8, 3, 15, 1, 7)
     vtk_write(vtk.vtkXMLImageDataWriter(), image, "phantom.vti")
     same("phantom.vti", phantom(), np.diag(SPACING), [1, 2, 3] + SPACING * [-2, 3, 1], False)
+    for name, more in ("p", 1), ("T", 2):
+        image.GetPointData().AddArray(vtk_array(phantom().ravel() + more))
+        image.GetPointData().GetArray(more).SetName(name)
+    vtk_write(vtk.vtkXMLImageDataWriter(), image, "several.vti")
+    same("several.vti", phantom(), np.diag(SPACING), [1, 2, 3] + SPACING * [-2, 3, 1], False)
+    same("several.vti:T", phantom() + 2, np.diag(SPACING), [1, 2, 3] + SPACING * [-2, 3, 1], False)
+    refused("several.vti:U", 2, 'has no array "U", FILE:ARRAY must be one of: values, p, T')
     for numbers, why in (("1 2 3 4 5 6 7 8 9 10", "too long: more follows the 8 numbers"),
                          (f"0.{'0' * 80} 2 3 4 5 6 7 8", "a word of more than 63 letters after 0 of 8 numbers")):
         with open("text.vti", "w", encoding="ascii") as file:

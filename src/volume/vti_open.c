@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/words.h"
 #include "volume/reader.h"
 #include "volume/rectilinear.h"
 
@@ -64,6 +65,7 @@ typedef struct vti_array {
 typedef struct vti {
     char *text; /* the file's beginning, or all of it */
     size_t size;
+    const char *part; /* name of the array to read; NULL: the scalars */
     vti_array values;
     const char *appended; /* after the _ of AppendedData */
     char encoding[32];
@@ -98,16 +100,27 @@ static iso_status read_text(const char *path, vti *v, iso_error *err)
     return iso_file_read(path, &v->text, &v->size, err);
 }
 
-/* The array that the section names as its scalars, or its first. */
-static const char *find_array(const char *section)
+/* Returns the array of that name; without a name, the one that the section names as its scalars, or its first. */
+static const char *find_array(const char *section, const char *part)
 {
     char wanted[WORD_BYTES], name[WORD_BYTES];
     const char *first = strstr(section, "<DataArray"), *end = strstr(section + 1, "Data>");
     iso_reader_attribute(section, "Scalars", wanted, sizeof wanted);
+    if (part)
+        snprintf(wanted, sizeof wanted, "%s", part);
     for (const char *at = first; *wanted && at && (!end || at < end); at = strstr(at + 1, "<DataArray"))
         if (iso_reader_attribute(at, "Name", name, sizeof name) && strcmp(name, wanted) == 0)
             return at;
-    return first;
+    return part ? NULL : first;
+}
+
+static iso_status refuse_part(const vti *v, const char *image, const char *path, iso_error *err)
+{
+    char list[400] = "", name[WORD_BYTES];
+    for (const char *at = image; (at = strstr(at, "<DataArray")); ++at)
+        if (iso_reader_attribute(at, "Name", name, sizeof name))
+            iso_words_append(list, sizeof list, "%s%s", *list ? ", " : "", name);
+    return iso_fail(err, ISO_E_USAGE, "%s: has no array \"%s\", FILE:ARRAY must be one of: %s", path, v->part, list);
 }
 
 /* Reads the components. Three or four bytes count as colors, as VTK maps them. */
@@ -169,13 +182,15 @@ static iso_status parse(vti *v, const char *path, bool is_piece, iso_error *err)
                *coordinates = strstr(v->text, "<Coordinates");
     image = image ? image : strstr(v->text, "<RectilinearGrid");
     const char *data = image ? strstr(image, "<PointData") : NULL, *tag = strstr(v->text, "<Piece");
-    const char *array = data ? find_array(data) : NULL;
+    const char *array = data ? find_array(data, v->part) : NULL;
     const char *cells = image ? strstr(image, "<CellData") : NULL;
     if (cells && (!array || array > cells)) {
-        array = find_array(cells);
+        array = find_array(cells, v->part);
         v->of_cells = true;
     }
     array = coordinates && array > coordinates ? NULL : array;
+    if (image && v->part && !array)
+        return refuse_part(v, image, path, err);
     if (!file || !image || !tag || !array)
         return iso_fail(err, ISO_E_FORMAT, "%s: truncated, or no grid with an array in it", path);
     NEED(take_extent(image, tag, is_piece, path, v, err));
@@ -408,6 +423,7 @@ static iso_status open_vti(iso_volume_source *source, iso_error *err)
 {
     ENDED_BY(release) vti v = {0};
     NEED(read_text(source->path, &v, err));
+    v.part = source->part;
     NEED(parse(&v, source->path, source->hints.is_piece, err));
     NEED(iso_reader_need_type(source, v.values.type, err));
     NEED(take_coordinates(&v, source, err));
@@ -431,6 +447,7 @@ const iso_volume_format iso_volume_format_vti = {
         "LZ4 or LZMA at once",
     .suffixes = ".vti .vtr .pvd .series .vti.series",
     .starts = "\"<VTKFile\"",
+    .takes_part = true,
     .probe = starts_like_vti,
     .open = open_vti,
 };
