@@ -100,7 +100,7 @@ void limit_further(const char *path)
     static const rlim_t start = begin();
     rlimit limit{};
     getrlimit(RLIMIT_DATA, &limit);
-    const double room = 16e6 + 256 * bytes_of_input(path, 1e6);
+    const double room = 32e6 + 256 * bytes_of_input(path, 1e6);
     limit.rlim_cur = std::min(limit.rlim_cur, start + static_cast<rlim_t>(room));
     setrlimit(RLIMIT_DATA, &limit);
 }
