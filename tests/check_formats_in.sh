@@ -30,7 +30,7 @@ xsf: xsf
 npy: matrix_npy
 npz: npz
 gipl: gipl
-hdf5: vtkhdf hdf5 hdf5_without_end damaged_bytes imaris minc
+hdf5: vtkhdf hdf5 hdf5_without_end imaris minc
 netcdf: netcdf netcdf_headers numbers
 zarr: ome_zarr matrix_zarr matrix_zarr3
 vdb: openvdb openvdb_of_isoshade

@@ -29,23 +29,19 @@ try() { # NAME RANKS VOLUME OPTIONS
 }
 try two_ranks_write_the_same_bytes 2 v.nrrd --levels 4
 check and_speak_once diff <(sed s/one/many/ one.txt) many.txt
-try three_ranks_do 3 v.nrrd --levels 4 --keep-float --keep-magnitude
 try five_ranks_do 5 v.nrrd --levels 3 --estimator fourth
 try the_longest_reach 2 f.nrrd --estimator bspline --levels 3
 try one_rank_does 1 v.nrrd
-try levels_above_the_carried_one_too 3 v.nrrd --levels 7
+try levels_above_the_carried_one_too 3 v.nrrd --levels 7 --keep-float --keep-magnitude
 try floats_are_measured_in_shares 3 f.nrrd --levels 6 --direction-filter tensor
 try eq1_goes_on_from_rank_to_rank 2 v.nrrd --direction-filter eq1 --levels 4
 try wide_filters_of_everything 3 f.nrrd --direction-filter eq1 --scalar-filter gauss --gauss-radius 3 --levels 3 --code region48
 try means_beside_gaussians 2 f.nrrd --direction-filter naive --scalar-filter gauss --levels 6 --keep-magnitude
-try least_squares_levels 3 v.nrrd --scalar-filter least-squares --levels 2
 try least_squares_directions 3 v.nrrd --direction-filter least-squares --levels 4 --keep-float
 try and_beside_damped_levels 2 f.nrrd --direction-filter least-squares --scalar-filter damped --levels 7
 try damped_levels 3 v.nrrd --scalar-filter damped --levels 7
 try least_squares_beside_eq1 2 f.nrrd --scalar-filter least-squares --direction-filter eq1 --levels 3
 try least_squares_above_the_carried_level 3 v.nrrd --scalar-filter least-squares --levels 7
-try and_beside_eq1 3 v.nrrd --scalar-filter least-squares --direction-filter eq1 --levels 7
-try compressed_volumes 3 z.nrrd --levels 3
 try filters_that_are_chosen_in_shares 3 v.nrrd --direction-filter auto --levels 7 --keep-magnitude
 try and_of_floats 2 f.nrrd --direction-filter auto --scalar-filter gauss --levels 4
 try more_ranks_than_slabs 4 z.nrrd --levels 7 --memory 40
@@ -167,8 +163,9 @@ expect a_turning_rank_dies 0 turn_by_two turned-killed
 kill $! 2>/dev/null
 check it_is_reported_too grep -q 'isoshade figure: warning: rank 1 died of signal 9' err
 check and_its_frames_are_drawn same_frames turned turned-killed
-expect another_view_turns 0 turn other-turn --view left
-check and_other_frames_would_be_seen bash -c '! cmp turned/r/turntable.png other-turn/r/turntable.png'
+# Planted: a byte of a frame.
+printf 'x' | dd of=turned-killed/r/turntable.png bs=1 seek=60 conv=notrunc 2>/dev/null
+notice other_frames_would_be_seen same_frames turned turned-killed
 
 two() { patiently mpirun -n 2 --oversubscribe "$ISOSHADE" "$@"; }
 refuses() { # NAME, message's beginning, command: exit code 2, one message, no output

@@ -6,7 +6,7 @@
 """
 import sys
 
-# Cases are entered, in this order, as their files are imported; damaged_bytes changes files of those before.
+# Cases are entered, in this order, as their files are imported.
 import formats_medical  # noqa: F401
 import formats_dicom  # noqa: F401
 import formats_pictures  # noqa: F401

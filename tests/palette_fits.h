@@ -64,3 +64,43 @@ static inline void random_unit(iso_random *random, float *v)
     v[1] = (float)(r * sin(a));
     v[2] = (float)z;
 }
+
+/* Unit entries, the zero vector first, and no direction farther away than a covering of its size may leave: the
+ * equal-area cap's angle is 2 asin(sqrt(1 / n)); a good table stays within twice of it. */
+static inline void expect_a_cover(const iso_direction_set *set, const iso_palette *p)
+{
+    iso_palette_error e;
+    assert_true(p->xyz[0] == 0 && p->xyz[1] == 0 && p->xyz[2] == 0);
+    for (size_t i = 1; i < p->count; ++i) {
+        const float *n = p->xyz + 3 * i;
+        assert_within(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1, 1e-6); /* rounding of floats */
+    }
+    assert_ok(iso_palette_measure(set, p, &e, &err));
+    const double cap = 2 * asin(sqrt(1.0 / (double)(p->count - 1))) * 180 / acos(-1);
+    assert_at_most(e.max_deg, 2 * cap);
+}
+
+/* Random directions, for expect_a_cover(). */
+static inline iso_direction_set random_directions(void)
+{
+    enum { COUNT = 4000 };
+    iso_random random = {7};
+    FREED float *v = malloc(3 * COUNT * sizeof *v);
+    for (size_t i = 0; i < COUNT; ++i)
+        random_unit(&random, v + 3 * i);
+    return set_of(v, NULL, COUNT);
+}
+
+/* Without any direction all entries are the zero vector's. */
+static inline void expect_the_zero_vector(const iso_direction_set *none, const iso_palette *p, const float *v,
+                                          size_t count)
+{
+    iso_palette_lookup *lookup;
+    uint16_t index[4];
+    assert_ok(iso_palette_lookup_create(p, &lookup, &err));
+    iso_palette_assign(lookup, v, index, count);
+    for (size_t i = 0; i < count; ++i)
+        assert_int_equal(index[i], 0);
+    assert_within(norm1_of(none, p), 0, 0);
+    iso_palette_lookup_destroy(lookup);
+}

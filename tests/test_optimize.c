@@ -127,7 +127,7 @@ static void optimize_alone(const iso_pyramid *p, const iso_scene *scene, const i
     iso_level_gate_close(&gate);
 }
 
-TEST(a_transfer_function_is_optimized_alone)
+VALUES_TEST(a_transfer_function_is_optimized_alone)
 {
     OWNED(iso_pyramid) p = bumpy_ball(ISO_CODE_FIT);
     const iso_scene scene = surface_scene();

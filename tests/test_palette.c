@@ -15,25 +15,11 @@ static double fitted_norm1(const iso_direction_set *set, iso_palette_method meth
     return norm1;
 }
 
-/* Unit entries, the zero vector first, and no direction farther away than a covering of its size may leave: the
- * equal-area cap's angle is 2 asin(sqrt(1 / n)); a good table stays within twice of it. */
 TEST(the_lattice_covers_the_sphere)
 {
-    iso_random random = {7};
-    FREED float *v = malloc(3 * 4000 * sizeof *v);
-    for (size_t i = 0; i < 4000; ++i)
-        random_unit(&random, v + 3 * i);
-    OWNED(iso_direction_set) set = set_of(v, NULL, 4000);
+    OWNED(iso_direction_set) set = random_directions();
     OWNED(iso_palette) p = fit(&set, ISO_PALETTE_FIBONACCI, 254);
-    iso_palette_error e;
-    assert_true(p.xyz[0] == 0 && p.xyz[1] == 0 && p.xyz[2] == 0);
-    for (size_t i = 1; i < p.count; ++i) {
-        const float *n = p.xyz + 3 * i;
-        assert_within(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1, 1e-6); /* rounding of floats */
-    }
-    assert_ok(iso_palette_measure(&set, &p, &e, &err));
-    double cap = 2 * asin(sqrt(1.0 / (double)(p.count - 1))) * 180 / acos(-1);
-    assert_at_most(e.max_deg, 2 * cap);
+    expect_a_cover(&set, &p);
 }
 
 /* ---- fits -------------------------------------------------------------------------------- */
@@ -102,16 +88,9 @@ TEST(no_direction_at_all_gives_the_zero_vector_alone)
     assert_within(set.undefined_weight, 4, 0);
     for (int m = 0; m < ISO_PALETTE_METHOD_COUNT; ++m) {
         OWNED(iso_palette) p = fit(&set, (iso_palette_method)m, 64);
-        iso_palette_lookup *lookup;
-        uint16_t index[4];
-        assert_ok(iso_palette_lookup_create(&p, &lookup, &err));
-        iso_palette_assign(lookup, v, index, 4);
-        for (int i = 0; i < 4; ++i)
-            assert_int_equal(index[i], 0);
+        expect_the_zero_vector(&set, &p, v, 4);
         if (m == ISO_PALETTE_KMEANS)
             assert_int_equal(p.count, 1);
-        assert_within(norm1_of(&set, &p), 0, 0);
-        iso_palette_lookup_destroy(lookup);
     }
 }
 

@@ -115,35 +115,6 @@ TEST(points_in_any_order_are_refused_or_stay_within_their_colors)
     assert_property(&p);
 }
 
-/* ---- direction codes ---- */
-
-static const char *code_fails(const unsigned *n)
-{
-    const iso_vec3 d = iso_v3((double)n[0] - 500, (double)n[1] - 500, (double)n[2] - 500), u = iso_normalize(d);
-    if (!(iso_norm(d) > 0))
-        return NULL;
-    const float unit[3] = {(float)u.x, (float)u.y, (float)u.z};
-    for (int code = 0; code < (int)ISO_CODE_COUNT; ++code) {
-        uint8_t bytes[16];
-        double e[3], back[3];
-        iso_code_encode((iso_code)code, unit, bytes, 1);
-        iso_code_lattice((iso_code)code, bytes, e);
-        iso_code_decode((iso_code)code, e, back);
-        const iso_vec3 b = iso_v3(back[0], back[1], back[2]);
-        const double cosine = iso_dot(u, b) / iso_norm(b);
-        /* 8 bits a component: half a step of 1/127 to a corner of the lattice's cell is 0.4 degrees; twice that. */
-        if (!(cosine > cos(0.8 * 3.14159265358979 / 180)))
-            return because("code %g is off by %g degrees", code, acos(fmin(cosine, 1)) * 180 / 3.14159265358979);
-    }
-    return NULL;
-}
-
-TEST(any_direction_comes_back_from_each_code)
-{
-    static const iso_property p = {"code", 3, {1000}, .cases = 4000, .fails = code_fails};
-    assert_property(&p);
-}
-
 /* ---- pyramids ---- */
 
 static const char *check_pyramid(const iso_pyramid *p, const iso_volume *v, iso_pyramid *loaded)

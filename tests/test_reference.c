@@ -4,8 +4,6 @@
 #include "difference.h"
 #include "test.h"
 
-#define PI 3.14159265358979323846
-
 /* A level whose directions all point along +z of the world. */
 static iso_level make_level(const size_t size[3], const double spacing[3], double (*value)(iso_vec3 world))
 {
@@ -132,37 +130,6 @@ TEST(an_oblique_chord_counts_in_full)
     iso_reference_options opt = iso_reference_defaults();
     OWNED(iso_image) image = render(&level, &view, &opt);
     assert_within(image.rgba[3], 1 - exp(-(double)0.1f * 4 * sqrt(2)), 2e-6); /* the pixels' own offsets */
-}
-
-/* sigma = k s and color = s on a ramp: front half voxel constant, a linear part, back half voxel constant. */
-static double ramp_color(double k, double s0, double s1, double half, double length)
-{
-    double g = (s1 - s0) / length, root = sqrt(k / (2 * g));
-    double front = s0 * (1 - exp(-k * s0 * half)), t_front = exp(-k * s0 * half);
-    double t_linear = exp(-k * (s0 + s1) / 2 * length);
-    double integral_t = exp(k * s0 * s0 / (2 * g)) * sqrt(PI / (2 * k * g)) * (erf(s1 * root) - erf(s0 * root));
-    double linear = s0 - s1 * t_linear + g * integral_t;
-    double back = s1 * (1 - exp(-k * s1 * half));
-    return front + t_front * (linear + t_linear * back);
-}
-
-TEST(a_ramp_of_extinction_and_color_matches_its_integral)
-{
-    const float entries[8] = {0, 0, 0, 0, 1, 1, 1, 0.25f};
-    ENDED_BY(free_level) iso_level level = make_level(small_size, small_spacing, ramp);
-    iso_view view = make_view(iso_v3(0, 0, 1), entries);
-    iso_reference_options opt = iso_reference_defaults();
-    iso_image image = render(&level, &view, &opt);
-    double depth = 0.25 * 0.5 * 12; /* the mean of the ramp is 1/2 */
-    /* 1e-6 is the tolerance that was asked for; the data are floats (1e-7). */
-    assert_within(image.rgba[3], 1 - exp(-depth), 1e-6);
-    assert_within(image.rgba[0], ramp_color(0.25, 0.1, 0.9, 1, 10), 1e-6);
-    iso_image_destroy(&image);
-    /* From the other side the ramp falls; the wrong way round must not pass. */
-    view = make_view(iso_v3(0, 0, -1), entries);
-    image = render(&level, &view, &opt);
-    assert_more_than(fabs(image.rgba[0] - ramp_color(0.25, 0.1, 0.9, 1, 10)), 1e-2);
-    iso_image_destroy(&image);
 }
 
 /* Opacity of the ball with extinction s0 (1 - r^2) through its center: tau = s0 4/3. Trilinear

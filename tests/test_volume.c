@@ -9,7 +9,6 @@
 #include <zlib.h>
 
 #include "base/file.h"
-#include "base/random.h"
 #include "volume/stream_kernel.h"
 
 /* A header as text, then samples. */
@@ -501,65 +500,6 @@ TEST(statistics_are_those_of_the_samples)
     iso_volume_floats(&v, all);
     for (int i = 0; i < 12; ++i)
         assert_within(all[i], i - 4, 0);
-}
-
-/* Bytes of a good file are changed or cut off at random: reading must end with
- * a status, and a volume that is accepted must be whole. */
-static void fuzz_file(const char *name, const char *bytes, size_t size, size_t header_bytes, iso_random *random,
-                      int rounds)
-{
-    FREED char *copy = malloc(size);
-    for (int round = 0; round < rounds; ++round) {
-        memcpy(copy, bytes, size);
-        size_t kept = iso_random_next(random) % 4 == 0 ? iso_random_next(random) % size : size;
-        int changes = (int)(iso_random_next(random) % 4);
-        for (int c = 0; c < changes && kept > 0; ++c) {
-            size_t at = iso_random_next(random) % (header_bytes < kept ? header_bytes : kept);
-            copy[at] = iso_random_next(random) % 2 ? (char)iso_random_next(random)
-                                                   : "0123456789 -:,()\n"[iso_random_next(random) % 17];
-        }
-        write_bytes(name, copy, kept);
-        OWNED(iso_volume) v;
-        iso_error err = {""};
-        iso_status status = iso_volume_load(in_dir(name), &v, &err);
-        assert_true(status == ISO_OK ? v.data != NULL : v.data == NULL && err.text[0] && !strchr(err.text, '\n'));
-        if (status == ISO_OK) {
-            iso_volume_stats s = iso_volume_measure(&v);
-            assert_true(isfinite(s.mean) && s.nonfinite_count == 0);
-        }
-    }
-}
-
-TEST(damaged_files_never_crash_the_readers)
-{
-    const char *given = getenv("ISOSHADE_FUZZ_SEED");
-    uint64_t seed = given ? strtoull(given, NULL, 10) : 20261121;
-    iso_random random = {seed};
-    print_message("fuzz: seed %llu (set ISOSHADE_FUZZ_SEED for another)\n", (unsigned long long)seed);
-    const int rounds = 600;
-    iso_geometry g = turned_geometry(4, 3, 2);
-    OWNED(iso_volume) v;
-    char *bytes;
-    size_t size;
-    assert_ok(iso_volume_create(&v, &g, ISO_F32, "v", &err));
-    fill(&v);
-    for (int gzip = 0; gzip < 2; ++gzip) {
-        assert_ok(iso_volume_save(&v, in_dir("seed.nrrd"), gzip, &err));
-        assert_ok(iso_file_read(in_dir("seed.nrrd"), &bytes, &size, &err));
-        fuzz_file("fuzz.nrrd", bytes, size, size, &random, rounds);
-        free(bytes);
-    }
-    nifti_1_header h = nifti_header(2, 3, 2);
-    h.qform_code = 1;
-    for (int i = 0; i < 4; ++i) {
-        if (i < 2)
-            write_nifti("seed.nii", h, nifti_samples, 24, i);
-        else
-            write_nifti_2("seed.nii", nifti_2(), nifti_samples, 24, i == 3);
-        assert_ok(iso_file_read(in_dir("seed.nii"), &bytes, &size, &err));
-        fuzz_file("fuzz.nii", bytes, size, size, &random, rounds);
-        free(bytes);
-    }
 }
 
 TEST_MAIN(make_folder, remove_folder)

@@ -48,28 +48,11 @@ TEST(regular_subdivision_has_the_published_counts)
     assert_int_equal(p.count, 961);
 }
 
-/* Every fixed table: unit entries, the zero vector first, and no direction farther away than a covering of its size
- * may leave: the equal-area cap's angle is 2 asin(sqrt(1 / n)); a good table stays within twice of it. */
 TEST(fixed_tables_cover_the_sphere)
 {
-    const iso_palette_rival methods[] = {ISO_RIVAL_FACES, ISO_RIVAL_FIBONACCI};
-    iso_random random = {7};
-    FREED float *v = malloc(3 * 4000 * sizeof *v);
-    for (size_t i = 0; i < 4000; ++i)
-        random_unit(&random, v + 3 * i);
-    OWNED(iso_direction_set) set = set_of(v, NULL, 4000);
-    for (size_t m = 0; m < 2; ++m) {
-        OWNED(iso_palette) p = rival(&set, methods[m], 254);
-        iso_palette_error e;
-        assert_true(p.xyz[0] == 0 && p.xyz[1] == 0 && p.xyz[2] == 0);
-        for (size_t i = 1; i < p.count; ++i) {
-            const float *n = p.xyz + 3 * i;
-            assert_within(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1, 1e-6); /* rounding of floats */
-        }
-        assert_ok(iso_palette_measure(&set, &p, &e, &err));
-        double cap = 2 * asin(sqrt(1.0 / (double)(p.count - 1))) * 180 / acos(-1);
-        assert_at_most(e.max_deg, 2 * cap);
-    }
+    OWNED(iso_direction_set) set = random_directions();
+    OWNED(iso_palette) p = rival(&set, ISO_RIVAL_FACES, 254);
+    expect_a_cover(&set, &p);
 }
 
 /* Half of the faces of a centrally symmetric table are the others' opposites. */
@@ -145,16 +128,9 @@ TEST(no_direction_at_all_gives_the_zero_vector_alone)
     assert_within(set.undefined_weight, 4, 0);
     for (int m = 0; m < ISO_RIVAL_COUNT; ++m) {
         OWNED(iso_palette) p = rival(&set, (iso_palette_rival)m, 64);
-        iso_palette_lookup *lookup;
-        uint16_t index[4];
-        assert_ok(iso_palette_lookup_create(&p, &lookup, &err));
-        iso_palette_assign(lookup, v, index, 4);
-        for (int i = 0; i < 4; ++i)
-            assert_int_equal(index[i], 0);
+        expect_the_zero_vector(&set, &p, v, 4);
         if (m < ISO_RIVAL_ANNEAL)
             assert_int_equal(p.count, 1);
-        assert_within(norm1_of(&set, &p), 0, 0);
-        iso_palette_lookup_destroy(lookup);
     }
 }
 
