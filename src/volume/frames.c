@@ -78,8 +78,8 @@ iso_status iso_frames_choose(const char *path, const iso_volume_hints *hints, co
         return choose_layer(path, hints, axes, frame, err);
     describe_step(axes->frame_step, axes->frame_unit, step, sizeof step);
     if (hints->frame)
-        return iso_fail(err, ISO_E_USAGE, "%s: --frame is \"%s\", there are %zu frames%s, numbered from 0 to %zu", path,
-                        hints->frame, count, step, count - 1);
+        return iso_fail(err, ISO_E_USAGE, "%s: has %zu frame%s%s, numbered from 0 to %zu; --frame is \"%s\"", path, count,
+                        iso_words_plural(count), step, count - 1, hints->frame);
     if (count == 1 || hints->takes_first)
         return ISO_OK;
     return iso_fail(
@@ -99,7 +99,7 @@ static void list_channels(const iso_extra_axes *axes, char *text, size_t size)
             iso_words_append(text, size, "%s%zu%s%s", c ? ", " : "", c, *channel_name(axes, c) ? " " : "",
                              channel_name(axes, c));
     else
-        iso_words_append(text, size, "0 to %zu", count - 1);
+        iso_words_append(text, size, count > 1 ? "0 to %zu" : "%zu", count - 1);
     if (axes->is_color)
         iso_words_append(text, size, ", luminance");
 }
@@ -124,8 +124,8 @@ static iso_status choose_channel(const char *path, const iso_volume_hints *hints
         return ISO_OK;
     list_channels(axes, list, sizeof list);
     if (hints->channel)
-        return iso_fail(err, ISO_E_USAGE, "%s: --channel is \"%s\", there are %zu channels: %s", path, hints->channel,
-                        count, list);
+        return iso_fail(err, ISO_E_USAGE, "%s: has %zu channel%s: %s; --channel is \"%s\"", path, count,
+                        iso_words_plural(count), list, hints->channel);
     return iso_fail(err, ISO_E_USAGE, "%s: has %zu channels a voxel; --channel chooses one of them: %s", path, count,
                     list);
 }
