@@ -19,7 +19,7 @@ src/pyramid: agreement cascade cascade_kernel filter_kernel narrow pyramid pyram
 src/pyramid: pyramid_stream stream_build
 src/render: cell_pieces cell_ray cell_ray_kernel reference reference_ray
 src/render/cpu: cast_scene caster
-src/render/gl: gl_context gl_devices gl_directions gl_palette gl_uniforms gl_variant raycaster
+src/render/gl: gl_context gl_directions gl_uniforms gl_variant raycaster
 src/render: image_bound image_bound_points
 src/renderers: picture_store renderers
 src/report: levels report report_files

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* gl_context.h - a headless OpenGL context (gl_context.c), its programs (gl_program.c) and its textures (gl_draw.c).
  *
- * The context comes from EGL through libepoxy (gl_devices.h): the requested device, or each EGL device except software
+ * The context comes from EGL through libepoxy: the requested device, or each EGL device except software
  * renderers, then the platform without a surface (Mesa's llvmpipe). Core profile, 4.3 or newer. Independent of volumes.
  *
  * Private to src/render and src/brick: commands see render/gl/raycaster.h. */

@@ -12,12 +12,66 @@
 #include "fit/extinction_scale.h"
 #include "render/gl/gl_context.h"
 #include "render/gl/gl_directions.h"
-#include "render/gl/gl_palette.h"
 #include "render/gl/gl_uniforms.h"
 #include "render/gl/gl_variant.h"
 #include "render/sampler.h"
 #include "render/screen_reach.h"
 #include "tf/integral.h"
+
+/* ---- a palette and its indices as textures ---- */
+
+/* Uploads one index per voxel: 8 bits for at most 256 entries, otherwise 16. Integers are never filtered. */
+static iso_status gl_upload_indices(const iso_gl *gl, const iso_level *level, GLuint *texture, iso_error *err)
+{
+    const size_t *size = level->geometry.size, plane_count = size[0] * size[1];
+    if (!level->palette || !level->palette_index)
+        return iso_fail(err, ISO_E_RANGE, "gl: the level holds no palette, and directions from one are asked for");
+    bool bytes = level->palette->count <= 256;
+    NEED(iso_gl_create_texture_3d(gl, bytes ? GL_R8UI : GL_R16UI, size, "palette indices", texture, err));
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    uint8_t *plane = bytes ? malloc(plane_count) : NULL;
+    if (bytes && !plane)
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu indices", plane_count);
+    for (size_t z = 0; z < size[2]; ++z) {
+        const uint16_t *index = level->palette_index + z * plane_count;
+        for (size_t i = 0; bytes && i < plane_count; ++i)
+            plane[i] = (uint8_t)index[i];
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED_INTEGER,
+                        bytes ? GL_UNSIGNED_BYTE : GL_UNSIGNED_SHORT, bytes ? (const void *)plane : index);
+    }
+    free(plane);
+    return iso_gl_check("uploading palette indices", err);
+}
+
+/* Uploads a texture of one row: each entry's direction, and its shade as fourth component. The shade is for the view's
+ * lights, seen along the camera's axis (palette/palette.h: iso_palette_shade). */
+static iso_status gl_upload_palette(const iso_gl *gl, const iso_palette *palette, const iso_view *view, GLuint *texture,
+                                    iso_error *err)
+{
+    iso_palette_light lights[ISO_MAX_LIGHTS];
+    const iso_vec3 forward = view->camera.forward;
+    const iso_shading *s = &view->shading;
+    const iso_palette_shading shading = {
+        s->ambient, s->diffuse, s->specular, s->power, lights, view->light_count, {-forward.x, -forward.y, -forward.z}};
+    for (size_t i = 0; i < view->light_count; ++i) {
+        iso_vec3 d = view->lights[i].direction;
+        lights[i] = (iso_palette_light){{d.x, d.y, d.z}, view->lights[i].intensity};
+    }
+    FREED float *shade = malloc(palette->count * sizeof *shade), *row = malloc(4 * palette->count * sizeof *row);
+    if (!shade || !row) {
+        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu palette entries", palette->count);
+    } else {
+        iso_palette_shade(palette, &shading, shade);
+        for (size_t i = 0; i < palette->count; ++i) {
+            for (size_t c = 0; c < 3; ++c)
+                row[4 * i + c] = palette->xyz[3 * i + c];
+            row[4 * i + 3] = shade[i];
+        }
+        NEED(iso_gl_create_texture_rgba32f(gl, palette->count, 1, row, texture, err));
+    }
+    return ISO_OK;
+}
 
 enum {
     UNIT_SCALAR,
@@ -109,7 +163,7 @@ static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_
 
 static void destroy_textures(level_textures *t)
 {
-    const GLuint names[] = {t->scalar, t->directions.texture, t->tf, t->tf_sums, t->occupancy, t->palette,
+    const GLuint names[] = {t->scalar, t->directions.texture, t->tf,   t->tf_sums, t->occupancy, t->palette,
                             t->tf_2d,  t->extinction_scale,   t->reach};
     glDeleteTextures(sizeof names / sizeof *names, names);
     iso_screen_reach_destroy(&t->screen);
@@ -241,8 +295,9 @@ static iso_status upload_roi(const iso_gl *gl, const iso_roi *f, iso_code code, 
     glActiveTexture(GL_TEXTURE0 + UNIT_ROI_TF);
     TRY(status, iso_gl_create_texture_rgba32f(gl, f->tf.count, 1, f->tf.entries, &t->tf, err));
     glActiveTexture(GL_TEXTURE0 + UNIT_ROI_DIRECTIONS);
-    TRY(status, source == ISO_FROM_CODES ? iso_gl_upload_codes(gl, &f->level, code, NULL, &t->directions, err)
-        : iso_gl_upload_vectors(gl, &f->level, code, source, NULL, &t->directions, err));
+    TRY(status, source == ISO_FROM_CODES
+                    ? iso_gl_upload_codes(gl, &f->level, code, NULL, &t->directions, err)
+                    : iso_gl_upload_vectors(gl, &f->level, code, source, NULL, &t->directions, err));
     if (status != ISO_OK)
         destroy_textures(t);
     return status;
@@ -291,7 +346,7 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     if (status == ISO_OK && source == ISO_FROM_CODES && !t->scalar_with_directions)
         status = iso_gl_upload_codes(gl, level, code, scale, &t->directions, err);
     else if (status == ISO_OK && is_from_palette(source))
-        status = iso_gl_upload_indices(gl, level, &t->directions.texture, err);
+        status = gl_upload_indices(gl, level, &t->directions.texture, err);
     else if (status == ISO_OK && source != ISO_FROM_CODES && source != ISO_FROM_ON_THE_FLY)
         status = iso_gl_upload_vectors(gl, level, code, source, has_direction_texture(source) ? scale : NULL,
                                        &t->directions, err);
@@ -303,7 +358,7 @@ static iso_status upload(const iso_gl *gl, const iso_level *level, iso_code code
     }
     glActiveTexture(GL_TEXTURE0 + UNIT_PALETTE);
     if (status == ISO_OK && is_from_palette(source))
-        status = iso_gl_upload_palette(gl, level->palette, view, &t->palette, err);
+        status = gl_upload_palette(gl, level->palette, view, &t->palette, err);
     glActiveTexture(GL_TEXTURE0 + UNIT_OCCUPANCY);
     float entries[12];
     iso_tf_table below = opt->surface ? iso_gl_surface_tf(opt->surface, level->min, level->max, entries) : *tf;

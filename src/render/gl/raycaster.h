@@ -30,7 +30,7 @@ typedef struct iso_gl_info {
 /* A device whose filter of floats keeps fewer bits weighs texels more coarsely than floats do: the usual GPU has 8. */
 #define ISO_GL_FINE_FILTER_BITS 20
 
-/* The device that iso_gl_create() takes where the user set one: see gl_devices.h. */
+/* The device that iso_gl_create() takes where the user set one: see gl_context.c. */
 #define ISO_GL_DEVICE_VARIABLE "ISOSHADE_GL_DEVICE"
 /* Returns the number of EGL devices; the n-th is chosen by its number. */
 size_t iso_gl_device_count(void);
