@@ -50,8 +50,7 @@ iso_status iso_blender_pyramid_in_space(const iso_pyramid *p, const iso_blender_
 {
     *copy = *p;
     copy->levels = malloc(p->level_count * sizeof *copy->levels);
-    if (!copy->levels)
-        return iso_fail(err, ISO_E_MEMORY, "blender: out of memory");
+    NEED_MEMORY(copy->levels, err, "blender: out of memory");
     memcpy(copy->levels, p->levels, p->level_count * sizeof *copy->levels);
     for (size_t k = 0; k < p->level_count; ++k)
         copy->levels[k].geometry = iso_blender_in_space(&p->levels[k].geometry, space);

@@ -30,8 +30,7 @@ static void free_classes(label_classes *c)
 static iso_status find_classes(const iso_pyramid *p, size_t first, size_t count, label_classes *c, iso_error *err)
 {
     *c = (label_classes){.values = malloc(MOST_CLASSES * sizeof *c->values), .class = calloc(SPAN, sizeof *c->class)};
-    if (!c->values || !c->class)
-        return iso_fail(err, ISO_E_MEMORY, "blender: no memory for labels");
+    NEED_MEMORY(c->values && c->class, err, "blender: no memory for labels");
     for (size_t k = first; k < first + count; ++k) {
         const iso_level *l = &p->levels[k];
         for (size_t i = 0; i < iso_geometry_voxel_count(&l->geometry); ++i) {
@@ -106,8 +105,7 @@ static iso_status draw_levels(const iso_pyramid *p, size_t first, size_t count, 
         return iso_fail(err, ISO_E_RANGE, "blender: the labels need an image of %zu x %zu pixels, limit %d per side",
                         width, height, MOST_PIXELS);
     FREED uint8_t *pixels = calloc(width * height, 3);
-    if (!pixels)
-        return iso_fail(err, ISO_E_MEMORY, "blender: no memory for an image of %zu x %zu labels", width, height);
+    NEED_MEMORY(pixels, err, "blender: no memory for an image of %zu x %zu labels", width, height);
     for (size_t i = 0; i < count; ++i)
         draw_level(&p->levels[first + i], &tiles[i], c, width, pixels);
     return save_png(path, width, height, pixels, err);
@@ -121,8 +119,7 @@ static iso_status make_table(const iso_tf_table *tf, const label_classes *c, iso
                             .hi = (double)(count - 1),
                             .entries = malloc(4 * count * sizeof(float)),
                             .unit_mm = tf->unit_mm};
-    if (!table->entries)
-        return iso_fail(err, ISO_E_MEMORY, "blender: no memory for %zu classes", count);
+    NEED_MEMORY(table->entries, err, "blender: no memory for %zu classes", count);
     for (size_t i = 0; i < count; ++i) {
         double rgbs[4];
         iso_tf_lookup(tf, c->values[i < c->count ? i : c->count - 1], rgbs);

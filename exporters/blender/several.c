@@ -226,8 +226,7 @@ static iso_status export_all(several_job job, const char *blend_path, const iso_
     if (job.series)
         NEED(guard_frames(&job, err));
     job.outs = calloc(file_count(&job) + 1, sizeof *job.outs);
-    if (!job.outs)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", blend_path);
+    NEED_MEMORY(job.outs, err, "%s: out of memory", blend_path);
     job.more = json_array();
     iso_status status = iso_blender_begin(opt, &blender, err);
     job.opt = blender.options;

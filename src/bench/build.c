@@ -48,8 +48,7 @@ static iso_status read_all(const char *path, iso_error *err)
     const iso_volume *v = iso_source_volume(source);
     const size_t *n = v->geometry.size;
     FREED char *planes = malloc(READ_PLANES * n[0] * n[1] * iso_type_bytes(v->type));
-    if (!planes)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %d planes", path, READ_PLANES);
+    NEED_MEMORY(planes, err, "%s: no memory for %d planes", path, READ_PLANES);
     for (size_t z = 0; z < n[2]; z += READ_PLANES)
         NEED(iso_source_read(source, z + READ_PLANES < n[2] ? READ_PLANES : n[2] - z, planes, err));
     return ISO_OK;
@@ -172,8 +171,7 @@ static iso_status make_work(const char *folder, char **work, iso_error *err)
 {
     iso_temporary_sweep(folder);
     *work = iso_temporary_path(folder, "bench");
-    if (!*work)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(*work, err, "out of memory");
     iso_unfinished_add(*work, false);
     return mkdir(*work, 0777) == 0
                ? ISO_OK
@@ -395,8 +393,7 @@ static iso_status time_central(const build_bench *b, const iso_volume *v, build_
 {
     const size_t count = iso_geometry_voxel_count(&v->geometry);
     float *out = malloc(3 * count * sizeof *out);
-    if (!out)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu gradients", count);
+    NEED_MEMORY(out, err, "no memory for %zu gradients", count);
     memset(out, 1, 3 * count * sizeof *out);
     iso_gradient_options opt = b->opt.gradient;
     opt.threads = b->threads;

@@ -77,9 +77,7 @@ iso_status iso_bench_bricks_on_cpu(const iso_cli *cli, const iso_pyramid *p, con
     for (int g = GRADIENTS_NONE; g <= GRADIENTS_CODES && status == ISO_OK; ++g) {
         cpu_cases c = {0};
         const iso_scene scene = iso_bench_scene(opt, TF_DENSE, (bench_gradients)g);
-        status = iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &c.view, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_scene_resolve(&scene, &level->geometry, level->min, level->max, &c.view, err));
         status = prepare(&c, p, *field, g != GRADIENTS_NONE, cli->threads, err);
         TRY(status, draw(&c, opt, err));
         if (status == ISO_OK)

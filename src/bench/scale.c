@@ -132,8 +132,7 @@ static iso_status make_volume(const scale_bench *b, const size_t size[3], iso_er
     char command[160];
     point unused;
     FREED char *pyramid = iso_path_join(b->folder, "volume.iso");
-    if (!pyramid)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(pyramid, err, "out of memory");
     iso_remove_tree(pyramid);
     snprintf(command, sizeof command, "%s --size %zux%zux%zu --type uint8 -o volume.nrrd", b->content->make, size[0],
              size[1], size[2]);
@@ -297,8 +296,7 @@ static iso_status draw(const scale_bench *b, const char *output, const char *for
     FREED char *csv = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&csv, &size);
-    if (!f)
-        return iso_fail(err, ISO_E_MEMORY, "bench scale: no memory for the chart's data");
+    NEED_MEMORY(f, err, "bench scale: no memory for the chart's data");
     fprintf(f, "stage,voxels,processor_seconds,peak_bytes\n");
     for (size_t s = 0; s < STAGES; ++s)
         for (size_t i = 0; i < b->count; ++i)

@@ -349,8 +349,8 @@ iso_status iso_lattice_add_brick(const iso_lattice_builder *b, size_t brick, iso
     cell_box c;
     bool any = false;
     iso_status status = ISO_OK;
-    if (!cell_box_place(&c, b, brick, buffers) || !fill(b, &c, buffers, &any))
-        return iso_fail(err, ISO_E_MEMORY, "lattice: no memory for the nodes of a brick");
+    NEED_MEMORY(cell_box_place(&c, b, brick, buffers) && fill(b, &c, buffers, &any), err,
+                "lattice: no memory for the nodes of a brick");
     if (any)
 #pragma omp critical(iso_lattice)
         status = put_active(b->lattice, &c, err);

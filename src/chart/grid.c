@@ -114,8 +114,7 @@ static iso_status parse_list(const char *list, iso_status (*take)(const char *, 
                              iso_error *err)
 {
     FREED char *copy = strdup(list);
-    if (!copy)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(copy, err, "out of memory");
     for (char *word, *rest = copy; (word = strsep(&rest, ","));)
         NEED(take(word, flags, err));
     return ISO_OK;
@@ -314,8 +313,7 @@ static int by_turn(const void *a, const void *b)
 static iso_status repeat_for_scenes(size_t scene_count, iso_chart_case **cases, size_t *count, iso_error *err)
 {
     iso_chart_case *all = calloc(scene_count * *count + 1, sizeof *all);
-    if (!all)
-        return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", scene_count * *count);
+    NEED_MEMORY(all, err, "chart: no memory for %zu settings", scene_count * *count);
     for (size_t i = 0; i < scene_count * *count; ++i) {
         all[i] = (*cases)[i / scene_count];
         all[i].scene = i % scene_count;
@@ -468,8 +466,7 @@ iso_status iso_chart_grid_cases(const iso_chart_grid *g, const iso_pyramid *firs
         }
         if (pass == 0)
             *cases = malloc((*count + (size_t)ISO_CHART_MAX_LIST * ISO_CHART_MAX_LIST) * sizeof **cases);
-        if (!*cases)
-            return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", *count);
+        NEED_MEMORY(*cases, err, "chart: no memory for %zu settings", *count);
     }
     add_plans(g, &first->levels[0], &usual, *cases, count);
     qsort(*cases, *count, sizeof **cases, by_turn);

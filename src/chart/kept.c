@@ -146,8 +146,7 @@ static iso_status take_lines(const iso_chart_kept_file *k, const iso_chart_bench
     char setting[192];
     FREED char *text = NULL;
     size_t size = 0;
-    if (!keys)
-        return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", count);
+    NEED_MEMORY(keys, err, "chart: no memory for %zu settings", count);
     for (size_t i = 0; i < count; ++i) {
         iso_chart_describe(&cases[i], setting, sizeof setting);
         snprintf(keys[i].text, sizeof keys[i].text, "%s; %s", b->scenes[cases[i].scene].name, setting);
@@ -189,8 +188,7 @@ static iso_status copy_file(const char *from, const char *to, const char *name, 
 {
     FREED char *source = iso_path_join(from, name), *target = iso_path_join(to, name), *bytes = NULL;
     size_t size = 0;
-    if (!source || !target)
-        return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    NEED_MEMORY(source && target, err, "chart: out of memory");
     if (!iso_path_exists(source))
         return ISO_OK;
     NEED(iso_file_read(source, &bytes, &size, err));

@@ -217,8 +217,7 @@ static iso_status move_done_first(iso_chart_result *r, iso_error *err)
 {
     FREED iso_chart_case *skipped = malloc((r->count + 1) * sizeof *skipped);
     size_t done = 0, left = 0;
-    if (!skipped)
-        return iso_fail(err, ISO_E_MEMORY, "chart: no memory for %zu settings", r->count);
+    NEED_MEMORY(skipped, err, "chart: no memory for %zu settings", r->count);
     for (size_t i = 0; i < r->count; ++i)
         if (r->cases[i].done)
             r->cases[done++] = r->cases[i];

@@ -158,8 +158,7 @@ static iso_status build_one(const build_job *job, const iso_pyramid_options *opt
     iso_subject_file file = {path, job->input};
     const iso_stream_input source = {iso_subject_open, &file, path};
     iso_key *key = iso_cli_key(cli, not_in_key);
-    if (!key)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(key, err, "out of memory");
     const iso_stream_options stream = {.memory_bytes = (size_t)(job->options->memory_mb * 1048576),
                                        .resume = job->options->resume,
                                        .save_seconds = job->options->save_seconds,
@@ -384,8 +383,7 @@ static iso_status make_levels(made_for *m, iso_effort effort, const iso_progress
 static iso_status check_looks(const build_job *job, char *list, iso_subject_look *looks, size_t *count, iso_error *err)
 {
     iso_cli_look asked = job->options->look;
-    if (!list)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(list, err, "out of memory");
     for (char *rest = list, *name; (name = strsep(&rest, ","));) {
         if (*count == ISO_SCENES_MOST)
             return iso_fail(err, ISO_E_USAGE, "--for: more than %d scenes", ISO_SCENES_MOST);

@@ -311,8 +311,7 @@ static iso_status check_looks(chart_run *run, iso_error *err)
 {
     iso_cli_look look = run->arguments->look;
     FREED char *list = strdup(look.scene ? look.scene : "");
-    if (!list)
-        return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    NEED_MEMORY(list, err, "chart: out of memory");
     for (char *path, *rest = list; (path = strsep(&rest, ",")); ++run->look_count) {
         const size_t n = run->look_count;
         if (n == ISO_CHART_MAX_SCENES)
@@ -414,8 +413,7 @@ static void end(chart_run **owned)
 static iso_status chart(const chart_arguments *a, const iso_cli *cli, iso_error *err)
 {
     ENDED_BY(end) chart_run *run = calloc(1, sizeof *run);
-    if (!run)
-        return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    NEED_MEMORY(run, err, "chart: out of memory");
     run->arguments = a;
     run->cli = cli;
     run->start_seconds = iso_clock_seconds();

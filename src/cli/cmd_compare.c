@@ -61,8 +61,7 @@ static iso_status measure_flip(const compare_options *opt, const iso_image image
     OWNED(iso_image) picture = {0};
     size_t count = images[0].width * images[0].height;
     FREED float *map = malloc(count * sizeof *map);
-    if (!map)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu pixels", count);
+    NEED_MEMORY(map, err, "no memory for %zu pixels", count);
     NEED((opt->hdr ? iso_flip_hdr : iso_flip_ldr)(&images[0], &images[1], ISO_FLIP_PIXELS_PER_DEGREE, map, err));
     *mean = iso_flip_mean(map, count);
     if (!opt->flip_map)

@@ -125,8 +125,7 @@ static iso_status write_slabs(const iso_field *field, iso_volume_sink *sink, iso
     iso_progress progress = iso_cli_progress(cli);
     iso_cli_expect(cli, &(iso_cli_stage){"make", 1}, 1);
     FREED void *planes = malloc(slab * plane);
-    if (!planes)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu bytes of planes", slab * plane);
+    NEED_MEMORY(planes, err, "no memory for %zu bytes of planes", slab * plane);
     for (size_t z = 0; z < n[2]; z += slab) {
         size_t end = z + slab < n[2] ? z + slab : n[2];
         NEED(iso_field_sample_planes(field, type, z, end, cli->threads, planes, err));

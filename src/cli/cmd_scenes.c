@@ -55,16 +55,14 @@ static iso_status contact_sheet_add(contact_sheet *s, const iso_image *image, co
     if (s->count == s->room) {
         const size_t room = s->room ? 2 * s->room : 16;
         void *panels = realloc(s->panels, room * sizeof *s->panels);
-        if (!panels)
-            return iso_fail(err, ISO_E_MEMORY, "sheet: out of memory");
+        NEED_MEMORY(panels, err, "sheet: out of memory");
         s->panels = panels, s->room = room;
     }
     struct contact_panel *p = &s->panels[s->count];
     *p = (struct contact_panel){.rgb = malloc(3 * pixels), .label = strdup(label), .command = strdup(command)};
     s->side = image->width;
     ++s->count;
-    if (!p->rgb || !p->label || !p->command)
-        return iso_fail(err, ISO_E_MEMORY, "sheet: out of memory");
+    NEED_MEMORY(p->rgb && p->label && p->command, err, "sheet: out of memory");
     for (size_t i = 0; i < 3 * pixels; ++i)
         p->rgb[i] = (unsigned char)(iso_srgb_encode((double)image->rgba[4 * (i / 3) + i % 3]) * 255 + 0.5);
     return ISO_OK;
@@ -147,8 +145,7 @@ static iso_status contact_sheet_draw(contact_sheet *s, size_t group, const char 
     mosaic m = {.sheet = s, .title = title, .columns = columns, .raw = raw, .rgb = rgb};
     if (!dir)
         return iso_temp_dir_fail(err);
-    if (!raw || !rgb)
-        return iso_fail(err, ISO_E_MEMORY, "sheet: out of memory");
+    NEED_MEMORY(raw && rgb, err, "sheet: out of memory");
     place(s, &m);
     NEED(iso_file_write(raw, m.rgb, 3 * m.width * m.height, err));
     return iso_gnuplot_picture(output, (double)m.width / 2, (double)m.height / 2, write_sheet, &m, err);

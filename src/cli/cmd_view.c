@@ -76,8 +76,7 @@ static iso_status take_codes(const view_arguments *a, const iso_pyramid_options 
 {
     FREED char *list = strdup(a->codes ? a->codes : iso_code_describe(build->code)->name);
     char *rest = list;
-    if (!list)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(list, err, "out of memory");
     v->code_count = 0;
     for (char *name; (name = strsep(&rest, ","));) {
         if (strcmp(name, "none") == 0 && !rest && v->code_count == 0)

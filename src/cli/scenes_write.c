@@ -434,8 +434,7 @@ iso_status iso_scenes_write_all(const iso_scenes_write *a, iso_error *err)
                                                           : (size_t)a->steps,
                                   .pictures = json_array(),
                                   .left_out = json_array()};
-    if (!line || !validate)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(line && validate, err, "out of memory");
     NEED(a->suite ? write_suite(&w, err) : write_volume(&w, err));
     NEED(elsewhere_write_calibrations(&w.elsewhere, err));
     NEED(elsewhere_finish(&w.elsewhere, line, validate, err));

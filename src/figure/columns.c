@@ -200,8 +200,7 @@ static iso_status draw(drawn *w, iso_error *err)
 iso_status iso_figure_draw_columns(const iso_figure_columns *columns, iso_page *page, iso_error *err)
 {
     drawn *w = calloc(1, sizeof *w);
-    if (!w)
-        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    NEED_MEMORY(w, err, "figure: out of memory");
     w->c = columns;
     w->page = page;
     const iso_status status = draw(w, err);

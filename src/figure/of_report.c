@@ -328,8 +328,7 @@ static iso_status plan_renderers(figure *f, iso_error *err)
     FREED json_t **shown = calloc(json_array_size(rows) + 1, sizeof *shown);
     json_t *row;
     size_t i, count = 0;
-    if (!shown)
-        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    NEED_MEMORY(shown, err, "figure: out of memory");
     json_array_foreach (rows, i, row)
         if (is_shown(row, f->job))
             shown[count++] = row;

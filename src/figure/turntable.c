@@ -51,8 +51,7 @@ static int put_chunk(FILE *f, const char type[4], const unsigned char *data, siz
 static iso_status animation_create(animation **out, const char *path, size_t frames, double seconds, iso_error *err)
 {
     animation *a = *out = calloc(1, sizeof *a);
-    if (!a)
-        return iso_fail(err, ISO_E_MEMORY, "animation: out of memory");
+    NEED_MEMORY(a, err, "animation: out of memory");
     a->frames = frames;
     a->milliseconds = (unsigned)lrint(1000 * seconds);
     a->file = fopen(path, "wb");

@@ -90,8 +90,8 @@ static iso_status create_axis(iso_interpolation_axis *a, size_t size, size_t lev
     a->first = malloc(a->coarse_size * sizeof *a->first);
     a->tap_start = malloc((a->coarse_size + 1) * sizeof *a->tap_start);
     a->tap = malloc(2 * size * sizeof *a->tap);
-    if (!a->low || !a->high || !a->weight || !a->first || !a->tap_start || !a->tap)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for the weights of %zu voxels", size);
+    NEED_MEMORY(a->low && a->high && a->weight && a->first && a->tap_start && a->tap, err,
+                "no memory for the weights of %zu voxels", size);
     for (size_t i = 0; i < size; ++i)
         set_weights(a, i, (double)step);
     set_taps(a);

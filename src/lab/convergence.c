@@ -135,8 +135,7 @@ static iso_status draw(const convergence_options *o, const descent *d, size_t co
     FREED char *csv = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&csv, &size);
-    if (!f)
-        return iso_fail(err, ISO_E_MEMORY, "isoshade-lab convergence: no memory for the chart's data");
+    NEED_MEMORY(f, err, "isoshade-lab convergence: no memory for the chart's data");
     fprintf(f, "renderer,kind,step_voxels,rmse,error_bar\n");
     for (size_t r = 0; r < count; ++r) {
         for (int i = 0; i < o->steps; ++i)

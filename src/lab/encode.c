@@ -167,8 +167,7 @@ static iso_status bench_schemes(size_t count, bool text, const iso_paper_table t
         schemes[n++] = (iso_scheme){table_names[i], ISO_CODE_REGION48, NULL, &tables[i]};
 
     FREED timing_buffers *b = malloc(sizeof *b);
-    if (!b)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %d directions", (int)TIMED);
+    NEED_MEMORY(b, err, "no memory for %d directions", (int)TIMED);
     random_directions(b->directions, TIMED);
     json_t *list = json_array();
     json_object_set_new(root, "schemes", list);

@@ -36,8 +36,7 @@ static iso_status draw_figure10(const char *dir, const json_t *sweep, iso_error 
     size_t size = 0, i;
     json_t *row;
     FILE *f = open_memstream(&csv, &size);
-    if (!f)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a chart");
+    NEED_MEMORY(f, err, "no memory for a chart");
     fprintf(f, "lambda,hole_deg\n");
     json_array_foreach ((json_t *)sweep, i, row)
         fprintf(f, "%.4g,%.6f\n", json_real_value(json_object_get(row, "lambda")),

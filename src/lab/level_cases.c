@@ -106,8 +106,7 @@ iso_status iso_level_cases_write_csv(const iso_level_cases *c, const char *path,
     FREED char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
-    if (!memory)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a table of %zu cases", c->count);
+    NEED_MEMORY(memory, err, "no memory for a table of %zu cases", c->count);
     write_heading(memory);
     for (size_t i = 0; i < c->count; ++i)
         for (size_t m = 0; m < iso_level_method_count(); ++m)
@@ -184,8 +183,7 @@ static iso_status read_row(iso_level_cases *c, char *line, iso_error *err)
     if (strcmp(c->settings, settings) != 0)
         return iso_fail(err, ISO_E_FORMAT, "measured with \"%s\", not \"%s\"", settings, c->settings);
     iso_level_case *one = case_of_row(c, &like);
-    if (!one)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a case");
+    NEED_MEMORY(one, err, "no memory for a case");
     if (memcmp(one->size, like.size, sizeof like.size) != 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: size differs from an earlier line", like.volume);
     if (one->results[method].measured)

@@ -37,8 +37,7 @@ iso_status iso_level_error_measure(const iso_image *finest, const iso_image *sho
     NEED(iso_ssim_foreground(finest, shown, &ssim, err));
     e->dssim = (1 - ssim) / 2;
     FREED float *flip = malloc(finest->width * finest->height * sizeof *flip);
-    if (!flip)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for FLIP of %zux%zu pixels", finest->width, finest->height);
+    NEED_MEMORY(flip, err, "no memory for FLIP of %zux%zu pixels", finest->width, finest->height);
     NEED(iso_flip_ldr(finest, shown, ISO_FLIP_PIXELS_PER_DEGREE, flip, err));
     measure_shown(finest, shown, flip, e);
     return ISO_OK;

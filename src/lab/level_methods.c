@@ -211,13 +211,10 @@ iso_status iso_level_methods_choose(const char *text, bool wanted[ISO_LEVEL_MAX_
         const size_t length = strcspn(at, ",");
         FREED char *name = strndup(at, length);
         size_t row = 0;
-        if (!name)
-            return iso_fail(err, ISO_E_MEMORY, "no memory for a name");
+        NEED_MEMORY(name, err, "no memory for a name");
         const bool all = strcmp(name, "all") == 0, own = all || strcmp(name, "own") == 0,
                    rivals = all || strcmp(name, "rivals") == 0;
-        const iso_status status = own || rivals ? ISO_OK : iso_names_find(&iso_level_method_names, name, &row, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(own || rivals ? ISO_OK : iso_names_find(&iso_level_method_names, name, &row, err));
         for (size_t m = 0; m < iso_level_method_count(); ++m)
             wanted[m] = wanted[m] || (own || rivals ? (methods[m].rival ? rivals : own) : m == row);
         at += length + (at[length] == ',');

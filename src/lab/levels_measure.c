@@ -280,8 +280,7 @@ static iso_status run_level(iso_levels_run *run, bench_subject *b, size_t level,
     iso_level_case *c = find_had(run, &like);
     if (!c) {
         c = iso_level_cases_add(&run->cases);
-        if (!c)
-            return iso_fail(err, ISO_E_MEMORY, "no memory for a case");
+        NEED_MEMORY(c, err, "no memory for a case");
         *c = like;
         memcpy(c->size, b->pyramids->first->levels[0].geometry.size, sizeof c->size);
     }

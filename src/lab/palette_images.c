@@ -138,8 +138,7 @@ static iso_status code_row(stage *s, iso_code code, iso_error *err)
     size_t count = iso_geometry_voxel_count(&level.geometry);
     FREED uint8_t *bytes = malloc(3 * count);
     FREED float *decoded = malloc(3 * count * sizeof *decoded);
-    if (!bytes || !decoded)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu directions", count);
+    NEED_MEMORY(bytes && decoded, err, "no memory for %zu directions", count);
     double start = iso_clock_seconds();
     iso_code_encode(code, level.directions, bytes, count);
     method m = {iso_code_describe(code)->name, 3, iso_clock_seconds() - start, 0};
@@ -157,8 +156,7 @@ static iso_status sample_level(stage *s, bool weighted, iso_direction_set *set, 
     const iso_level *l = &s->pyramid.levels[0];
     const iso_tf_table *tf = &s->view.tf;
     float *opacity = malloc(tf->count * sizeof *opacity);
-    if (!opacity)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu weights", tf->count);
+    NEED_MEMORY(opacity, err, "no memory for %zu weights", tf->count);
     for (size_t i = 0; i < tf->count; ++i)
         opacity[i] = (float)-expm1(-(double)tf->entries[4 * i + 3] * iso_geometry_mean_spacing_mm(&l->geometry));
     const iso_palette_weighting w = {.by_magnitude = true,

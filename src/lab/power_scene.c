@@ -83,8 +83,7 @@ static iso_status random_tf(iso_random *r, const iso_level *level, iso_power_kin
                          .lo = level->min,
                          .hi = level->max,
                          .entries = malloc(entries * 4 * sizeof(float))};
-    if (!tf->entries)
-        return iso_fail(err, ISO_E_MEMORY, "isoshade-lab power: no memory");
+    NEED_MEMORY(tf->entries, err, "isoshade-lab power: no memory");
     for (int i = 0; i < points; ++i)
         for (int c = 0; c < 4; ++c)
             p[i][c] = c < 3 ? between(r, 0.1, 1) : i > 0 ? dense * between(r, 0.02, 0.3) : 0;

@@ -336,8 +336,7 @@ static iso_status draw(const study *s, iso_error *err)
     FREED char *csv = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&csv, &size);
-    if (!f)
-        return iso_fail(err, ISO_E_MEMORY, "isoshade-lab power: no memory for the chart's data");
+    NEED_MEMORY(f, err, "isoshade-lab power: no memory for the chart's data");
     fprintf(f, "deviation,gate,least,median,largest,color\n");
     for (int d = ISO_DEVIATION_NONE + 1; d < ISO_DEVIATION_COUNT; ++d)
         for (size_t p = 0; p < s->probe_count; ++p) {
@@ -366,8 +365,7 @@ iso_status iso_power_sensitivity(iso_renderers *r, const iso_sensitivity_options
         return iso_fail(err, ISO_E_USAGE, "--repetitions is %d, at most %d with --sensitivity", opt->scenes,
                         most_scenes);
     FREED study *s = calloc(1, sizeof *s);
-    if (!s)
-        return iso_fail(err, ISO_E_MEMORY, "isoshade-lab power: no memory");
+    NEED_MEMORY(s, err, "isoshade-lab power: no memory");
     s->renderers = r, s->opt = opt, s->progress = &progress;
     iso_status status = run_study(s, err);
     sort_all(s);

@@ -30,8 +30,7 @@ static iso_status create(seams *s, iso_random *state, iso_error *err)
 {
     const size_t all = VOXELS + 1, size[3] = {all, all, all}, cells[3] = {VOXELS, VOXELS, VOXELS};
     *s = (seams){.noise = malloc(all * all * all * sizeof(float))};
-    if (!s->noise)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a volume of %d^3", VOXELS + 1);
+    NEED_MEMORY(s->noise, err, "no memory for a volume of %d^3", VOXELS + 1);
     for (size_t i = 0; i < all * all * all; ++i)
         s->noise[i] = (float)iso_random_unit(state);
     iso_level level = {.geometry = iso_geometry_axis_aligned(size, (const double[3]){1, 1, 1}),

@@ -53,8 +53,7 @@ static iso_status find_surface(iso_shading_subject *s, const iso_level *level0, 
     iso_random random = {1};
     size_t seen = 0;
     s->points = malloc(MOST_POINTS * sizeof *s->points);
-    if (!s->points)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %d points of a surface", MOST_POINTS);
+    NEED_MEMORY(s->points, err, "no memory for %d points of a surface", MOST_POINTS);
     for (size_t i = 0; i < iso_geometry_voxel_count(&level0->geometry); ++i) {
         const size_t x = i % n[0], y = i / n[0] % n[1], z = i / (n[0] * n[1]);
         double e[3], d[3];
@@ -152,8 +151,7 @@ static iso_status measure_angles(const iso_shading_subject *s, const iso_level *
     double sum = 0, truth = 0, lengths = 0;
     FREED double *angles = malloc((s->point_count + 1) * sizeof *angles);
     e->angle_mean_deg = e->angle_p95_deg = e->truth_mean_deg = e->length_mean = NAN;
-    if (!angles)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu angles", s->point_count);
+    NEED_MEMORY(angles, err, "no memory for %zu angles", s->point_count);
     NEED(iso_sampler_create(&sampler, level, code, source, err));
     for (size_t i = 0; i < s->point_count; ++i) {
         const iso_surface_point *point = &s->points[i];
@@ -210,8 +208,7 @@ iso_status iso_shading_floor(const iso_shading_subject *s, const iso_level *leve
     iso_sampler sampler = {0};
     mixed.stored_type = ISO_F32;
     mixed.scalar = malloc(count * sizeof *mixed.scalar);
-    if (!mixed.scalar)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu scalars", count);
+    NEED_MEMORY(mixed.scalar, err, "no memory for %zu scalars", count);
     iso_status status = iso_sampler_create(&sampler, level, code, ISO_FROM_ON_THE_FLY, err);
     if (status == ISO_OK) {
         const double scale = ldexp(1, -(int)k);

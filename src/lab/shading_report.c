@@ -229,8 +229,7 @@ iso_status iso_shading_write_csv(const iso_shading_run *run, iso_error *err)
     FREED char *text = NULL;
     size_t size = 0;
     FILE *memory = open_memstream(&text, &size);
-    if (!memory)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for the table");
+    NEED_MEMORY(memory, err, "no memory for the table");
     fprintf(memory,
             "block,volume,level,method,dssim_mean,gradient_angle_mean_deg,gradient_angle_p95_deg,truth_angle_mean_deg");
     for (int i = 0; i < run->views; ++i)

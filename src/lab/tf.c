@@ -115,8 +115,7 @@ static iso_status measure_copy(const tf_bench *b, const iso_pyramid *p, double *
     float *copy = malloc(bytes);
     void *(*volatile copy_bytes)(void *, const void *,
                                  size_t) = memcpy; /* keeps the compiler from removing the unused copy */
-    if (!copy)
-        return iso_fail(err, ISO_E_MEMORY, "bench: no memory for a copy of %zu bytes", bytes);
+    NEED_MEMORY(copy, err, "bench: no memory for a copy of %zu bytes", bytes);
     *seconds = INFINITY;
     for (int run = 0; run <= b->runs; ++run) { /* the first run touches the pages */
         double start = iso_clock_seconds();

@@ -28,8 +28,7 @@ iso_status iso_lab_crop_to_middle(iso_volume *v, size_t n, iso_error *err)
     part.origin_mm = iso_geometry_to_world(&whole, iso_v3((double)first[0], (double)first[1], (double)first[2]));
     const size_t voxel = iso_type_bytes(v->type), row = part.size[0] * voxel;
     char *data = malloc(iso_geometry_voxel_count(&part) * voxel), *to = data;
-    if (!data)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a crop of %zu voxels", iso_geometry_voxel_count(&part));
+    NEED_MEMORY(data, err, "no memory for a crop of %zu voxels", iso_geometry_voxel_count(&part));
     for (size_t z = 0; z < part.size[2]; ++z)
         for (size_t y = 0; y < part.size[1]; ++y, to += row)
             memcpy(to,

@@ -329,8 +329,7 @@ iso_status iso_warp_field_create(iso_warp_field *f, const float *fine, size_t ch
         count *= size[a] / 2 + 1;
     }
     f->coarse = malloc(count * channels * sizeof *f->coarse);
-    if (!f->coarse)
-        return iso_fail(err, ISO_E_MEMORY, "warped bricks: no memory for %zu samples", count);
+    NEED_MEMORY(f->coarse, err, "warped bricks: no memory for %zu samples", count);
     fill_coarse(f, count);
     return ISO_OK;
 }

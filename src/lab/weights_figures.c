@@ -91,8 +91,7 @@ static iso_status draw(const json_t *cases, bool by_level, const char *dir, iso_
     FREED char *csv = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&csv, &size);
-    if (!f)
-        return iso_fail(err, ISO_E_MEMORY, "isoshade-lab consistency: no memory for a figure's data");
+    NEED_MEMORY(f, err, "isoshade-lab consistency: no memory for a figure's data");
     write_rows(cases, by_level, f);
     fclose(f);
     return iso_gnuplot_draw(dir, by_level ? "figure9" : "figure8", csv, by_level ? iso_levels_gp : iso_weights_gp,

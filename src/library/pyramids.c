@@ -40,8 +40,7 @@ iso_status iso_build(const iso_volume *volume, const iso_build_options *options,
     *pyramid = NULL;
     NEED(take_build_options(&given, &o, err));
     iso_pyramid *p = calloc(1, sizeof *p);
-    if (!p)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(p, err, "out of memory");
     iso_call call;
     iso_call_begin(&call, given.progress, given.progress_user);
     iso_status status = iso_pyramid_build(volume, "memory", &o, p, &call.progress, err);
@@ -56,8 +55,7 @@ iso_status iso_build(const iso_volume *volume, const iso_build_options *options,
 iso_status iso_pyramid_open(const char *folder, iso_pyramid **pyramid, iso_error *err)
 {
     *pyramid = calloc(1, sizeof **pyramid);
-    if (!*pyramid)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(*pyramid, err, "out of memory");
     iso_status status = iso_pyramid_load(folder, *pyramid, err);
     if (status != ISO_OK) {
         free(*pyramid);

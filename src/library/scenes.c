@@ -45,8 +45,7 @@ static iso_status scene_or_nothing(iso_status status, iso_scene **scene)
 iso_status iso_scene_open(const char *path, iso_scene **scene, iso_error *err)
 {
     *scene = calloc(1, sizeof **scene);
-    if (!*scene)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(*scene, err, "out of memory");
     return scene_or_nothing(iso_scene_load(path, *scene, err), scene);
 }
 
@@ -54,8 +53,7 @@ iso_status iso_scene_from_text(const char *json, iso_scene **scene, iso_error *e
 {
     json_auto_t *root = NULL;
     *scene = calloc(1, sizeof **scene);
-    if (!*scene)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(*scene, err, "out of memory");
     iso_status status = iso_json_of_text(json, no_file, &root, err);
     TRY(status, iso_scene_from_json(root, no_file, *scene, err));
     return scene_or_nothing(status, scene);
@@ -71,8 +69,7 @@ iso_status iso_scene_automatic(const iso_pyramid *pyramid, const iso_look_option
              o->height ? o->height : (size_t)ISO_SUBJECT_PIXELS);
     const iso_subject_look wanted = {.tf = o->tf, .view = o->view, .zoom = o->zoom, .size = size};
     *scene = calloc(1, sizeof **scene);
-    if (!*scene)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(*scene, err, "out of memory");
     iso_status status = iso_subject_check_look(&wanted, err);
     TRY(status, iso_subject_make_scene(&wanted, pyramid, *scene, err));
     return scene_or_nothing(status, scene);
@@ -115,8 +112,7 @@ iso_status iso_scene_set(iso_scene *scene, const char *json, iso_error *err)
     iso_scene changed = {0};
     NEED(iso_json_of_text(json, no_file, &by, err));
     json_auto_t *root = iso_json_of_scene(scene);
-    if (!root)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(root, err, "out of memory");
     change(root, by);
     NEED(iso_scene_from_json(root, no_file, &changed, err));
     iso_scene_destroy(scene);

@@ -109,8 +109,7 @@ static iso_status read_floats(const char *folder, const char *name, size_t count
     if (!end || (size_t)(text + size - end) - 2 != count * sizeof **floats)
         return iso_fail(err, ISO_E_PROGRAM, "%s: does not hold %zu floats", path, count);
     float *copy = malloc(count * sizeof *copy); /* aligned */
-    if (!copy)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(copy, err, "out of memory");
     memcpy(copy, end + 2, count * sizeof *copy);
     *all = (char *)copy;
     *floats = copy;

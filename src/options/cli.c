@@ -260,8 +260,7 @@ static iso_status bind(const iso_command *command, all_options *all, iso_error *
                           &all->common, err));
     const size_t own = all->own.count, common = all->common.count;
     all->table = calloc(own + common + 1, sizeof *all->table);
-    if (!all->table)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(all->table, err, "out of memory");
     memcpy(all->table, all->own.popt, own * sizeof *all->table);
     memcpy(all->table + own, all->common.popt, common * sizeof *all->table);
     return ISO_OK;

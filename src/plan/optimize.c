@@ -365,8 +365,8 @@ static iso_status quantize(training *t, iso_optimized *out, iso_error *err)
     out->directions = malloc(3 * t->voxels * sizeof *out->directions);
     out->codes = malloc(3 * t->voxels);
     out->scale = malloc(t->voxels);
-    if (!out->scalar || !out->directions || !out->codes || !out->scale)
-        return iso_fail(err, ISO_E_MEMORY, "optimize: no memory for %zu voxels", t->voxels);
+    NEED_MEMORY(out->scalar && out->directions && out->codes && out->scale, err, "optimize: no memory for %zu voxels",
+                t->voxels);
     for (size_t i = 0; i < t->voxels; ++i) {
         out->scalar[i] = t->field[4 * i];
         memcpy(out->directions + 3 * i, t->field + 4 * i + 1, 3 * sizeof(float));

@@ -309,9 +309,7 @@ iso_status iso_planner_search(iso_planner *p, double error, double memory, const
         double middle = 0.5 * (low + high);
         iso_plan_trial t;
         NEED(iso_progress_check(progress, err));
-        iso_status status = try_rmse(p, pow(10, middle), memory > 0 ? INFINITY : error, &t, err);
-        if (status != ISO_OK)
-            return status;
+        NEED(try_rmse(p, pow(10, middle), memory > 0 ? INFINITY : error, &t, err));
         bool good = is_good(p, error, memory, &t);
         bool finer = memory > 0 ? iso_plan_trial_bytes(&t) <= memory : !good;
         *(finer ? &high : &low) = middle;

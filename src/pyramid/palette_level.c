@@ -12,8 +12,7 @@ iso_status iso_level_directions(const iso_level *level, iso_code code, const flo
     if (level->directions)
         return ISO_OK;
     *directions = *owned = malloc(3 * count * sizeof **owned);
-    if (!*owned)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu directions", count);
+    NEED_MEMORY(*owned, err, "no memory for %zu directions", count);
     iso_code_decode_all(code, level->codes, *owned, count);
     return ISO_OK;
 }

@@ -52,9 +52,7 @@ static iso_status set_up(pyramid_build *s, double *scale, const iso_progress *pr
 static iso_status begin(pyramid_build *s, size_t *done, iso_error *err)
 {
     bool same = false;
-    const iso_status read = s->resumed ? iso_stream_read_progress(s, &same, done, err) : ISO_OK;
-    if (read != ISO_OK)
-        return read;
+    NEED(s->resumed ? iso_stream_read_progress(s, &same, done, err) : ISO_OK);
     if (!same) {
         *done = 0;
         iso_output_clear(&s->output);
@@ -93,9 +91,7 @@ static iso_status begin_all(pyramid_build *s, const char *dir, double scale, jso
             status = iso_fail(err, ISO_E_IO, "%s: the path is too long", dir);
         TRY(status, begin(s, done, err));
     }
-    status = iso_ranks_agree(s->how->ranks, status, err);
-    if (status != ISO_OK)
-        return status;
+    NEED(iso_ranks_agree(s->how->ranks, status, err));
     iso_ranks_broadcast(s->how->ranks, &s->plan, sizeof s->plan);
     status = create_buffers(s, err);
     if (status == ISO_OK && !stream_is_first(s)) {

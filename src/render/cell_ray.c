@@ -175,8 +175,7 @@ iso_status iso_cell_scene_create(iso_cell_scene *c, const iso_sampler *s, const 
                           .eps_2 = eps * eps,
                           .brightest = brightest(tf, view)};
     c->bends = calloc(tf->count + 1, sizeof *c->bends);
-    if (!c->bends)
-        return iso_fail(err, ISO_E_MEMORY, "reference: no memory for %zu entries", tf->count);
+    NEED_MEMORY(c->bends, err, "reference: no memory for %zu entries", tf->count);
     for (size_t i = 0; i < tf->count; ++i)
         c->bends[i + 1] = c->bends[i] + bends_at(tf, i);
     return ISO_OK;

@@ -11,8 +11,7 @@ iso_status iso_shown_create(iso_shown *s, const iso_tf_table *tf, const iso_tf_2
 {
     *s = (iso_shown){.tf = tf, .per_entry = (double)(tf->count - 1) / (tf->hi - tf->lo)};
     s->before = calloc(tf->count + 2, sizeof *s->before);
-    if (!s->before)
-        return iso_fail(err, ISO_E_MEMORY, "empty space: no memory for %zu entries", tf->count);
+    NEED_MEMORY(s->before, err, "empty space: no memory for %zu entries", tf->count);
     for (size_t i = 0; i < tf->count; ++i) {
         bool any = !tf_2d && tf->entries[4 * i + 3] > 0;
         for (int row = 0; tf_2d && row < ISO_TF_2D_ROWS; ++row)

@@ -181,8 +181,7 @@ static iso_status for_points(bound *b, void (*take)(const point *p, region *r), 
     const size_t *n = b->in->fine->geometry.size, a = b->points_an_axis, of_voxel = a * a * a;
     const size_t count = n[0] * n[1] * of_voxel;
     point *points = malloc(count * sizeof *points);
-    if (!points)
-        return iso_fail(err, ISO_E_MEMORY, "bound: no memory for %zu points", count);
+    NEED_MEMORY(points, err, "bound: no memory for %zu points", count);
     for (size_t z = 0; z < n[2] && !is_late(b); ++z) {
 #pragma omp parallel for schedule(static) num_threads(iso_threads(b->in->threads))
         for (size_t i = 0; i < count; ++i) {

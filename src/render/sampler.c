@@ -53,8 +53,7 @@ iso_status iso_sampler_create(iso_sampler *s, const iso_level *level, iso_code c
         return ISO_OK;
     }
     s->owned = malloc(count * 3 * sizeof *s->owned);
-    if (!s->owned)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu directions", count);
+    NEED_MEMORY(s->owned, err, "no memory for %zu directions", count);
     s->vectors = s->owned;
     if (from_palette) {
         iso_palette_decode(level->palette, level->palette_index, s->owned, count);

@@ -116,8 +116,7 @@ iso_status iso_screen_reach_create(iso_screen_reach *r, const iso_geometry *g, c
     r->columns = (view->width + ISO_SCREEN_TILE - 1) / ISO_SCREEN_TILE;
     r->rows = (view->height + ISO_SCREEN_TILE - 1) / ISO_SCREEN_TILE;
     r->mm = malloc(2 * r->columns * r->rows * sizeof *r->mm);
-    if (!r->mm)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu tiles of pixels", r->columns * r->rows);
+    NEED_MEMORY(r->mm, err, "no memory for %zu tiles of pixels", r->columns * r->rows);
     for (size_t i = 0; i < r->columns * r->rows; ++i) {
         r->mm[2 * i] = INFINITY;
         r->mm[2 * i + 1] = -INFINITY;

@@ -85,8 +85,7 @@ static iso_status render(const iso_render_request *q, iso_image *image, iso_rend
 static iso_status render_several(const iso_render_request *q, size_t count, iso_image *images, iso_error *err)
 {
     FREED iso_blender_options *o = malloc(count * sizeof *o);
-    if (!o)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu images", count);
+    NEED_MEMORY(o, err, "no memory for %zu images", count);
     for (size_t i = 0; i < count; ++i)
         o[i] = take_options(&q->options[i]);
     return render_kept(q, o, count, images, err);
@@ -204,8 +203,7 @@ static iso_status take_first(const char *program, iso_error *err)
 iso_status iso_renderers_take_blenders(const char *list, iso_error *err)
 {
     FREED char *copy = strdup(list ? list : "");
-    if (!copy)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(copy, err, "out of memory");
     for (char *program, *rest = copy; list && (program = strsep(&rest, ","));) {
         char found[32];
         NEED(*program ? iso_blender_version(program, found, sizeof found, err)

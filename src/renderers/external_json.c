@@ -341,8 +341,7 @@ iso_status iso_renderers_load(const char *given, iso_error *err)
     if (!paths || !*paths)
         return ISO_OK;
     FREED char *copy = strdup(paths);
-    if (!copy)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(copy, err, "out of memory");
     for (char *path, *rest = copy; (path = strsep(&rest, ","));) {
         const iso_status status = load_file(path, err);
         if (status != ISO_OK)

@@ -108,8 +108,7 @@ static iso_status check_content(const char *folder, iso_error *err)
     size_t count;
     NEED(visit_folder(folder, check_entry, &count, err));
     FREED char *marker = iso_path_join(folder, MARKER);
-    if (!marker)
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", folder);
+    NEED_MEMORY(marker, err, "%s: out of memory", folder);
     if (count > 0 && !iso_path_is_file(marker))
         return iso_fail(err, ISO_E_IO,
                         "%s: is not a store of pictures (no " MARKER "); move it away, or choose another output",
@@ -208,8 +207,7 @@ static iso_status begin_claims(iso_picture_store *store, const iso_ranks_place *
 iso_status iso_picture_store_begin(iso_picture_store *store, bool keep, const iso_key *key,
                                    const iso_ranks_place *place, iso_error *err)
 {
-    if (!iso_key_digest(key, store->key))
-        return iso_fail(err, ISO_E_MEMORY, "%s: out of memory", store->folder);
+    NEED_MEMORY(iso_key_digest(key, store->key), err, "%s: out of memory", store->folder);
     iso_unfinished_drop(store->folder);
     if (!keep)
         remove_pictures(store->folder);

@@ -66,8 +66,7 @@ static iso_status compare_file(const char *asked, const char *there, const char 
     FREED char *a = iso_path_join(asked, file), *b = iso_path_join(there, file), *of_a = NULL, *of_b = NULL;
     size_t size_a = 0, size_b = 0;
     *same = true;
-    if (!a || !b)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(a && b, err, "out of memory");
     if (!iso_path_exists(a) || !iso_path_exists(b))
         return ISO_OK;
     NEED(iso_file_read(a, &of_a, &size_a, err));
@@ -109,8 +108,7 @@ static iso_status check_request(const pictures *p, const iso_render_request *q, 
                                  .frames = &frame,
                                  .frame_count = 1,
                                  .threads = q->options->threads};
-    if (!json)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(json, err, "out of memory");
     if (!iso_path_exists(json))
         return ISO_OK;
     ENDED_BY(iso_end_temp_dir) char *dir = iso_make_temp_dir();
@@ -227,8 +225,7 @@ iso_status iso_pictures_register(const char *name_and_dir, const iso_renderer_in
                *index = iso_path_join(equals + 1, ISO_PICTURES_INDEX);
     json_auto_t *row = NULL;
     size_t steps;
-    if (!p || !name || !index)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(p && name && index, err, "out of memory");
     if (!iso_path_is_dir(equals + 1))
         return iso_fail(err, ISO_E_IO, "--images %s: there is no folder %s", name_and_dir, equals + 1);
     NEED(make_row(name, index, &row, &steps, err));

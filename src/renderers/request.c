@@ -76,8 +76,7 @@ static iso_status write_directions(const iso_level *level, iso_code code, const 
 {
     const size_t count = iso_geometry_voxel_count(&level->geometry);
     FREED float *directions = malloc(3 * count * sizeof *directions);
-    if (!directions)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu directions", count);
+    NEED_MEMORY(directions, err, "no memory for %zu directions", count);
     iso_code_decode_all(code, level->codes, directions, count);
     FILE *f = fopen(path, "wb");
     bool good = f && put_directions(f, &level->geometry, directions);

@@ -113,8 +113,7 @@ iso_status iso_renderers_from_list(const char *list, bool wanted[ISO_MAX_RENDERE
     if (!list)
         return ISO_OK;
     FREED char *copy = strdup(list);
-    if (!copy)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(copy, err, "out of memory");
     for (char *name, *rest = copy; (name = strsep(&rest, ","));) {
         const iso_renderer_info *r;
         NEED(iso_renderer_from_name(name, &r, err));

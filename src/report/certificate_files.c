@@ -30,8 +30,7 @@ static iso_status inline_picture(const iso_report_source *of, const char *name, 
 {
     FREED char *exr = iso_report_source_picture(of, name, "exr"), *png = iso_report_source_picture(of, name, "png"),
                *uri = NULL;
-    if (!exr || !png)
-        return iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
+    NEED_MEMORY(exr && png, err, "certificate: out of memory");
     if (!iso_report_is_picture_name(name))
         return iso_fail(err, ISO_E_FORMAT, "%s: invalid name of a picture; the report is damaged", of->path);
     NEED(iso_image_load_exr(exr, image, err));
@@ -122,8 +121,7 @@ static iso_status write_badges(const char *dir, const json_t *renderers, json_t 
     FREED char *folder = iso_path_join(dir, "badges");
     json_t *one;
     size_t i;
-    if (!folder)
-        return iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
+    NEED_MEMORY(folder, err, "certificate: out of memory");
     if (mkdir(folder, 0777) != 0)
         return iso_fail(err, iso_errno_status(), "%s: cannot be created: %s", folder, strerror(errno));
     json_array_foreach (renderers, i, one) {
@@ -137,8 +135,7 @@ static iso_status write_badges(const char *dir, const json_t *renderers, json_t 
 static iso_status write_site(const char *dir, const json_t *site, json_t *inlined, iso_error *err)
 {
     FREED char *data = iso_path_join(dir, "certificates.json"), *page = iso_path_join(dir, "index.html");
-    if (!data || !page)
-        return iso_fail(err, ISO_E_MEMORY, "certificate: out of memory");
+    NEED_MEMORY(data && page, err, "certificate: out of memory");
     NEED(write_badges(dir, json_object_get(site, "renderers"), inlined, err));
     NEED(iso_json_save(data, site, err));
     return iso_page_write(page, &iso_page_of_certificates, site, inlined, err);

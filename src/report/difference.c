@@ -458,17 +458,14 @@ iso_status iso_difference_of(const json_t *a, const json_t *b, bool results_only
     const json_t *const reports[2] = {a, b};
     *difference = NULL;
     for (int i = 0; i < 2; ++i) {
-        const iso_status status = iso_report_check(reports[i], i ? "report diff: B" : "report diff: A", err);
-        if (status != ISO_OK)
-            return status;
+        NEED(iso_report_check(reports[i], i ? "report diff: B" : "report diff: A", err));
     }
     json_t *d = json_pack("{s:s, s:o, s:o}", "schema", "isoshade.difference/1", "a", about(a), "b", about(b));
     json_t *rows = json_array();
     size_t count = 0;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
         count += compare_kind(rows, &kinds[i], a, b, factor);
-    if (!d || !rows)
-        return iso_fail(err, ISO_E_MEMORY, "report diff: out of memory");
+    NEED_MEMORY(d && rows, err, "report diff: out of memory");
     sort_rows(d, rows);
     json_object_set_new(d, "row_count", json_integer((json_int_t)count));
     json_object_set_new(d, "facts", facts_of(a, b, !results_only));

@@ -91,8 +91,7 @@ iso_status iso_gnuplot_draw_script(const char *dir, const char *name, const char
                                    iso_error *err)
 {
     FREED char *style = iso_path_join(dir, "style.gp");
-    if (!style)
-        return iso_fail(err, ISO_E_MEMORY, "chart: out of memory");
+    NEED_MEMORY(style, err, "chart: out of memory");
     if (!iso_path_exists(style))
         NEED(write_beside(dir, "style", ".gp", iso_gnuplot_style_gp, err));
     NEED(write_beside(dir, name, ".gp", script, err));

@@ -315,8 +315,7 @@ static iso_status save(const char *path, void (*put)(FILE *f, const json_t *root
     FREED char *text = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&text, &size);
-    if (!f)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+    NEED_MEMORY(f, err, "%s: no memory", path);
     put(f, root);
     fputs("\n", f);
     put_link(f, link);

@@ -126,8 +126,7 @@ static iso_status make_chart(const char *charts, const chart_kind *kind, const j
     FREED char *csv = NULL, *svg = NULL, *uri = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&csv, &size);
-    if (!f)
-        return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    NEED_MEMORY(f, err, "report: out of memory");
     kind->put_csv(f, rows);
     fclose(f);
     NEED(iso_gnuplot_draw(charts, kind->name, csv, kind->script, "svg", err));
@@ -145,8 +144,7 @@ iso_status iso_report_files_charts(const char *dir, const json_t *root, json_t *
         {"consistency", "consistency", iso_report_consistency_gp, put_consistency_csv},
     };
     FREED char *charts = iso_path_join(dir, "charts");
-    if (!charts)
-        return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    NEED_MEMORY(charts, err, "report: out of memory");
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
         const json_t *rows = json_object_get(root, kinds[i].rows);
         if (json_array_size(rows) > 0)
@@ -158,8 +156,7 @@ iso_status iso_report_files_charts(const char *dir, const json_t *root, json_t *
 iso_status iso_report_files_page(const char *dir, const json_t *root, const json_t *inlined, iso_error *err)
 {
     FREED char *data = iso_path_join(dir, "report.json"), *page = iso_path_join(dir, "index.html");
-    if (!data || !page)
-        return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    NEED_MEMORY(data && page, err, "report: out of memory");
     NEED(iso_json_save(data, root, err));
     return iso_page_write(page, &iso_page_of_report, root, inlined, err);
 }

@@ -270,8 +270,7 @@ iso_status iso_report_write_junit(const iso_report *r, const char *path, iso_err
     FREED char *xml = NULL;
     size_t size = 0;
     FILE *f = open_memstream(&xml, &size);
-    if (!f)
-        return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
+    NEED_MEMORY(f, err, "report: out of memory");
     fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n", f);
     for (int i = 0; i < SUITES; ++i)
         if (i < ALWAYS || json_array_size(json_object_get(iso_report_json(r), suites[i].name)) > 0)

@@ -92,8 +92,7 @@ iso_status iso_report_load(const char *path, json_t **report, iso_error *err)
 {
     const bool is_dir = iso_path_is_dir(path);
     FREED char *file = is_dir ? iso_path_join(path, "report.json") : strdup(path);
-    if (!file)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory", path);
+    NEED_MEMORY(file, err, "%s: no memory", path);
     if (is_dir && !iso_path_exists(file))
         return iso_fail(err, ISO_E_IO, "%s: holds no report.json; needs a folder of isoshade validate -o", path);
     NEED(iso_json_load(file, report, err));

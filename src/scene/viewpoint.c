@@ -191,8 +191,7 @@ static iso_status find_visible(const iso_level *l, const iso_tf_table *tf, int t
         return ISO_OK;
     const size_t *n = l->geometry.size;
     uint64_t *sums = calloc(n[2] * (n[0] + n[1]) + n[0] + n[1] + n[2], sizeof *sums);
-    if (!sums)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for the opacity of %zu planes", n[0] + n[1] + n[2]);
+    NEED_MEMORY(sums, err, "no memory for the opacity of %zu planes", n[0] + n[1] + n[2]);
     uint64_t *of_y = sums, *of_x = of_y + n[2] * n[1];
     uint64_t *planes[3] = {of_x + n[2] * n[0], of_x + n[2] * n[0] + n[0], of_x + n[2] * n[0] + n[0] + n[1]};
     sum_opacities(l, tf, threads, of_y, of_x);

@@ -315,8 +315,7 @@ static iso_status second_value_bytes(const iso_pyramid *p, size_t level, iso_sec
     size_t count = iso_geometry_voxel_count(&p->levels[level].geometry);
     FREED float *planes = malloc(count * sizeof *planes);
     *bytes = malloc(count);
-    if (!planes || !*bytes)
-        return iso_fail(err, ISO_E_MEMORY, "adapt: no memory for the second value of %zu voxels", count);
+    NEED_MEMORY(planes && *bytes, err, "adapt: no memory for the second value of %zu voxels", count);
     NEED(iso_joint_second_coordinates(p, level, second, threads, planes, err));
     for (size_t i = 0; i < count; ++i)
         (*bytes)[i] = (uint8_t)(planes[i] * (255.0f / (ISO_TF_2D_ROWS - 1)) + 0.5f);

@@ -25,8 +25,7 @@ static iso_status copy_view(const iso_view *from, iso_view *to, iso_error *err)
     to->extinction_scale = NULL;
     to->roi = NULL;
     to->tf.entries = malloc(bytes);
-    if (!to->tf.entries)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a transfer function");
+    NEED_MEMORY(to->tf.entries, err, "no memory for a transfer function");
     memcpy(to->tf.entries, from->tf.entries, bytes);
     return ISO_OK;
 }

@@ -267,8 +267,7 @@ static iso_status measure_methods(iso_validation *v, levels_run *run, const iso_
     }
     all->room = 3 * (iso_method_count + 2) * v->pyramid->level_count;
     all->levels = calloc(all->room, sizeof *all->levels);
-    if (!all->levels)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu rows of levels", all->room);
+    NEED_MEMORY(all->levels, err, "no memory for %zu rows of levels", all->room);
     for (size_t i = 0; i < iso_method_count; ++i)
         NEED(measure_method(v, run, &iso_methods[i], err));
     if (all->own == own)

@@ -22,9 +22,7 @@ iso_status iso_validate_adapt(iso_validation *v, iso_error *err)
     opt.fall_back = true;
     opt.level_0 = &level_0;
     v->level_tfs = calloc(v->pyramid->level_count, sizeof *v->level_tfs);
-    if (!v->level_tfs)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for the transfer functions of %zu levels",
-                        v->pyramid->level_count);
+    NEED_MEMORY(v->level_tfs, err, "no memory for the transfer functions of %zu levels", v->pyramid->level_count);
     for (size_t level = 0; level < v->pyramid->level_count && status == ISO_OK; ++level) {
         iso_level_tf *own = &v->level_tfs[level];
         status = iso_adapt_level(v->pyramid, level, &v->view->tf, &opt, &own->table, &own->judgment, err);

@@ -539,8 +539,7 @@ static iso_status draw_singles(search *s, iso_error *err)
     iso_status status = ISO_OK;
     s->right = malloc(sizeof *s->right * ISO_CALIBRATION_COUNT * VALUES);
     s->single = malloc(sizeof *s->single * COUNT * ISO_CALIBRATION_COUNT * VALUES);
-    if (!s->right || !s->single)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for pictures of mistakes");
+    NEED_MEMORY(s->right && s->single, err, "no memory for pictures of mistakes");
     for (int check = 0; check < ISO_CALIBRATION_COUNT && status == ISO_OK; ++check) {
         float *right = s->right + (size_t)check * VALUES;
         status = begin_stage(&s->all, check, err);

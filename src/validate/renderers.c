@@ -245,8 +245,7 @@ iso_status iso_validate_renderers(iso_validation *v, iso_error *err)
     size_t count = 0;
     iso_status status = find_renderers(v, all, &count, err);
     FREED examination *list = calloc(count * ISO_CALIBRATION_COUNT + 1, sizeof *list);
-    if (!list)
-        return iso_fail(err, ISO_E_MEMORY, "out of memory");
+    NEED_MEMORY(list, err, "out of memory");
     const size_t n = status == ISO_OK ? list_examinations(v, all, count, list) : 0;
     TRY(status, iso_validate_each(v, n, examine, list, err));
     TRY(status, sum_up(list, n, err));

@@ -297,8 +297,7 @@ static iso_status add_code(const iso_viewer *v, size_t k, iso_code code, iso_con
             return iso_fail(err, ISO_E_USAGE, "--code %s: the pyramid has only %s; build it with --keep-float",
                             info->name, iso_code_describe(v->pyramid->options.code)->name);
         made = malloc(3 * count);
-        if (!made)
-            return iso_fail(err, ISO_E_MEMORY, "no memory for %zu codes", count);
+        NEED_MEMORY(made, err, "no memory for %zu codes", count);
         iso_code_encode(code, level->directions, made, count);
     }
     snprintf(name, sizeof name, "level-%zu-%s", k, info->name);

@@ -73,9 +73,8 @@ iso_status iso_volume_create(iso_volume *v, const iso_geometry *g, iso_type type
     NEED(iso_geometry_check(g, name, err));
     size_t count = iso_geometry_voxel_count(g);
     void *data = iso_large_samples(count * iso_type_bytes(type));
-    if (!data)
-        return iso_fail(err, ISO_E_MEMORY, "%s: no memory for %zu x %zu x %zu voxels of %s (%zu bytes)", name,
-                        g->size[0], g->size[1], g->size[2], iso_type_name(type), count * iso_type_bytes(type));
+    NEED_MEMORY(data, err, "%s: no memory for %zu x %zu x %zu voxels of %s (%zu bytes)", name, g->size[0], g->size[1],
+                g->size[2], iso_type_name(type), count * iso_type_bytes(type));
     *v = (iso_volume){.geometry = *g, .type = type, .data = data, .notes = {.scale_slope = 1}};
     return ISO_OK;
 }

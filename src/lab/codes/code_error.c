@@ -147,8 +147,7 @@ iso_status iso_code_error_measure(const iso_scheme *scheme, const iso_code_error
             "code error: %zu probes, at least %d; %g degrees apart, 0 to 180; lengths from %g, above 0 and at most 1",
             opt->count, CLIMBERS, opt->apart_deg, opt->min_length);
     workspace *w = calloc(1, sizeof *w);
-    if (!w)
-        return iso_fail(err, ISO_E_MEMORY, "code error: no memory");
+    NEED_MEMORY(w, err, "code error: no memory");
     uint64_t state = opt->seed;
     *error = (iso_code_error){0, 0};
     for (size_t done = 0; done < opt->count; done += BATCH) {

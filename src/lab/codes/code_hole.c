@@ -25,8 +25,7 @@ static iso_status hole_of_lattice(const iso_code_points *l, decode_function *dec
 {
     const size_t side = (size_t)(l->limit / l->step + 1), most = side * (side + 1) * (side + 2) / 6;
     FREED iso_vec3 *directions = malloc(most * sizeof *directions);
-    if (!directions)
-        return iso_fail(err, ISO_E_MEMORY, "hole: no memory for %zu directions", most);
+    NEED_MEMORY(directions, err, "hole: no memory for %zu directions", most);
     size_t count = 0;
     const double scale = 1.0 / l->limit;
     for (int a = l->limit; 3 * a > l->limit; a -= l->step)

@@ -13,8 +13,7 @@ iso_status iso_paper_table_create(size_t size, iso_paper_table *table, iso_error
     if (size < 2 || size > 1024)
         return iso_fail(err, ISO_E_RANGE, "table of T: size %zu, must be 2 to 1024", size);
     table->entries = calloc(size * size, sizeof *table->entries);
-    if (!table->entries)
-        return iso_fail(err, ISO_E_MEMORY, "table of T: no memory for %zu entries", size * size);
+    NEED_MEMORY(table->entries, err, "table of T: no memory for %zu entries", size * size);
     table->size = size;
     const double step = 1 / (double)(size - 1);
     for (size_t i = 0; i < size; ++i)

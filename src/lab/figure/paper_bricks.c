@@ -129,8 +129,7 @@ iso_status iso_mixed_look(const iso_mixed *m, const iso_view *view, double surfa
     *seen = (iso_mixed_seen){.width = width < view->width ? width : view->width};
     seen->height = (size_t)fmax(1, rint((double)seen->width * (double)view->height / (double)view->width));
     seen->index = malloc(seen->width * seen->height * sizeof *seen->index);
-    if (!seen->index)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for %zu x %zu places", seen->width, seen->height);
+    NEED_MEMORY(seen->index, err, "no memory for %zu x %zu places", seen->width, seen->height);
 #pragma omp parallel for schedule(dynamic) num_threads(iso_threads(threads))
     for (size_t row = 0; row < seen->height; ++row)
         for (size_t column = 0; column < seen->width; ++column) {

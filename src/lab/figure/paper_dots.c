@@ -100,8 +100,7 @@ iso_status iso_dots_hole_deg(const iso_dots *dots, double *across_deg, iso_error
     iso_vec3 *chamber = malloc(dots->count * sizeof *chamber);
     size_t count = 0;
     iso_hole hole;
-    if (!chamber)
-        return iso_fail(err, ISO_E_MEMORY, "figure: no memory for %zu directions", dots->count);
+    NEED_MEMORY(chamber, err, "figure: no memory for %zu directions", dots->count);
     /* Lattice vectors are sorted exactly, and decoders keep the order. */
     for (size_t i = 0; i < dots->count; ++i) {
         const iso_vec3 e = dots->lattice[i], d = dots->unit[i];

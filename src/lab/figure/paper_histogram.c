@@ -82,8 +82,7 @@ static iso_status put_pixels(const iso_paper *p, const iso_page_box *box, const 
 {
     const size_t bytes = 3 * j->z.count * j->s.count;
     FREED unsigned char *rgb = malloc(bytes);
-    if (!rgb)
-        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    NEED_MEMORY(rgb, err, "figure: out of memory");
     memset(rgb, 255, bytes);
     for (size_t i = 0; i < j->s.count; ++i)
         for (size_t e = j->row_start[i]; e < j->row_start[i + 1]; ++e)

@@ -193,8 +193,7 @@ static iso_status put_difference(const iso_paper *p, stage *s, const panel *one,
     NEED(render(s, &s->near, true, true, &smooth, err));
     const size_t count = rough.width * rough.height;
     FREED float *apart = malloc(count * sizeof *apart);
-    if (!apart)
-        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    NEED_MEMORY(apart, err, "figure: out of memory");
     double most = 1e-6;
     for (size_t i = 0; i < count; ++i) {
         apart[i] = 0;

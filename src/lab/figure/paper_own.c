@@ -60,8 +60,7 @@ static iso_status own_scene(const iso_figure_job *job, const iso_paper_look *own
         NEED(iso_cli_zoom_parse(look->zoom, &zoom, err));
     NEED(iso_viewpoint_parse(look->view ? look->view : own->view, &from, err));
     iso_tf_point *points = malloc(own->point_count * sizeof *points);
-    if (!points)
-        return iso_fail(err, ISO_E_MEMORY, "figure: out of memory");
+    NEED_MEMORY(points, err, "figure: out of memory");
     memcpy(points, own->points, own->point_count * sizeof *points);
     *scene = iso_scene_first(&p->levels[0].geometry, &from, width, height);
     scene->zoom = zoom;

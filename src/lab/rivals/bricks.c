@@ -74,8 +74,7 @@ static iso_status crop(const iso_level *from, const size_t lo[3], const size_t h
         to->geometry.size[a] = hi[a] - lo[a];
     const size_t row = to->geometry.size[0];
     to->scalar = malloc(iso_geometry_voxel_count(&to->geometry) * sizeof *to->scalar);
-    if (!to->scalar)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for a brick");
+    NEED_MEMORY(to->scalar, err, "no memory for a brick");
     for (size_t z = lo[2], i = 0; z < hi[2]; ++z)
         for (size_t y = lo[1]; y < hi[1]; ++y, i += row)
             memcpy(to->scalar + i, from->scalar + lo[0] + n[0] * (y + n[1] * z), row * sizeof *to->scalar);
@@ -125,8 +124,7 @@ iso_status iso_rival_bricks(const iso_level_subject *s, iso_rival *r, iso_error 
         count[a] = (n[a] + ISO_RIVAL_BRICK - 1) / ISO_RIVAL_BRICK;
     const size_t all = count[0] * count[1] * count[2];
     brick_field *f = calloc(1, sizeof *f + all * sizeof *f->tables);
-    if (!f)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for the tables of %zu bricks", all);
+    NEED_MEMORY(f, err, "no memory for the tables of %zu bricks", all);
     memcpy(f->count, count, sizeof count);
     *r = (iso_rival){{emit, f}, f, release};
     iso_status status = ISO_OK;

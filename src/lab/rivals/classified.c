@@ -36,8 +36,7 @@ static iso_status make_field(const iso_level_subject *s, voxel_maker make, doubl
 {
     const size_t count = iso_geometry_voxel_count(&s->pyramid->levels[s->level].geometry);
     color_field *f = malloc(sizeof *f + 4 * count * sizeof *f->rgba);
-    if (!f)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for the colors of %zu voxels", count);
+    NEED_MEMORY(f, err, "no memory for the colors of %zu voxels", count);
     f->length_mm = length_mm;
     const int threads = iso_threads(s->threads);
 #pragma omp parallel for schedule(dynamic, 64) num_threads(threads)

@@ -138,8 +138,7 @@ iso_status iso_rival_deviation(const iso_level_subject *s, iso_rival *r, iso_err
     const iso_level *level0 = &s->pyramid->levels[0];
     const size_t count = iso_geometry_voxel_count(&s->pyramid->levels[s->level].geometry);
     deviation_field *f = malloc(sizeof *f + 2 * count * sizeof *f->values);
-    if (!f)
-        return iso_fail(err, ISO_E_MEMORY, "no memory for the deviations of %zu voxels", count);
+    NEED_MEMORY(f, err, "no memory for the deviations of %zu voxels", count);
     f->lo = level0->min;
     f->hi = level0->max > level0->min ? level0->max : level0->min + 1;
     f->length_mm = iso_geometry_mean_spacing_mm(&level0->geometry);

@@ -138,8 +138,7 @@ static iso_status cast_make_on_demand(iso_cast_maker **maker, iso_cast *c, const
 {
     const iso_level *level = of->level;
     iso_cast_maker *m = *maker = calloc(1, sizeof *m);
-    if (!m)
-        return iso_fail(err, ISO_E_MEMORY, "cpu: out of memory");
+    NEED_MEMORY(m, err, "cpu: out of memory");
     *m = (iso_cast_maker){.level = level,
                           .scalars = of->scalars,
                           .is_lit = c->normals != ISO_CAST_UNLIT,
@@ -152,8 +151,8 @@ static iso_status cast_make_on_demand(iso_cast_maker **maker, iso_cast *c, const
     }
     m->slots = malloc(bricks * sizeof *m->slots);
     m->capacity = count_bricks(m, of->blocks) + 1;
-    if (!m->slots || !iso_cast_pool_create(&m->pool, &m->scalars, m->is_lit, m->capacity, &bytes))
-        return iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu bricks", bricks);
+    NEED_MEMORY(m->slots && iso_cast_pool_create(&m->pool, &m->scalars, m->is_lit, m->capacity, &bytes), err,
+                "cpu: no memory for %zu bricks", bricks);
     memset(m->slots, -1, bricks * sizeof *m->slots);
     memset(iso_cast_pool_array(&m->pool), 0, ISO_CAST_VOXELS * iso_cast_voxel_bytes(&m->scalars, m->is_lit));
     iso_cast_pool_use(&m->pool, c);
@@ -305,8 +304,7 @@ void iso_cast_set_code(iso_cast *c, iso_code code, bool is_lit)
 
 iso_status iso_cast_own(iso_cpu_scene *s, void *array, size_t bytes, iso_error *err)
 {
-    if (!array)
-        return iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu bytes of bricks", bytes);
+    NEED_MEMORY(array, err, "cpu: no memory for %zu bytes of bricks", bytes);
     s->arrays[s->array_count++] = array;
     s->bytes += (double)bytes;
     return ISO_OK;
@@ -589,8 +587,7 @@ static iso_status fill(iso_cpu_scene *s, const iso_level *level, iso_code code, 
 iso_status iso_cast_begin(iso_cpu_scene **scene, iso_cpu_width width, int threads, iso_error *err)
 {
     iso_cpu_scene *s = *scene = calloc(1, sizeof *s);
-    if (!s)
-        return iso_fail(err, ISO_E_MEMORY, "cpu: out of memory");
+    NEED_MEMORY(s, err, "cpu: out of memory");
     s->threads = iso_threads(threads);
     s->tile = tile_of(width ? width : iso_cpu_widest());
     return s->tile ? ISO_OK

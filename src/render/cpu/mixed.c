@@ -63,8 +63,7 @@ static iso_status place_bricks(mixed *m, iso_error *err)
     FREED uint8_t *visible = malloc(count);
     m->places = malloc(places * sizeof *m->places);
     NEED(iso_cast_own(m->scene, m->places, places * sizeof *m->places, err));
-    if (!visible)
-        return iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu bricks", count);
+    NEED_MEMORY(visible, err, "cpu: no memory for %zu bricks", count);
     iso_brick_visible(m->field, m->view, &m->view->tf, m->opt->wanted, m->scene->threads, visible);
     for (size_t i = 0; i < count; ++i) {
         int32_t *place = place_of(m, i);
@@ -258,8 +257,7 @@ static iso_status begin_blocks(mixed *m, iso_error *err)
     b->octants = malloc(ISO_OCTANTS * b->blocks + 4); /* four bytes are fetched for one */
     uint32_t *next = malloc(m->view->tf.count * sizeof *next);
     m->shown = (iso_tf_shown){.next = next};
-    if (!b->cells || !b->octants || !next)
-        return iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu blocks", b->blocks);
+    NEED_MEMORY(b->cells && b->octants && next, err, "cpu: no memory for %zu blocks", b->blocks);
     m->shown = iso_tf_shown_of(&m->view->tf, next);
     return ISO_OK;
 }
@@ -269,8 +267,7 @@ static iso_status end_blocks(mixed *m, iso_error *err)
     iso_cast_blocks *b = &m->blocks;
     size_t occupied = 0;
     uint8_t *empty = malloc(b->blocks);
-    if (!empty)
-        return iso_fail(err, ISO_E_MEMORY, "cpu: no memory for %zu blocks", b->blocks);
+    NEED_MEMORY(empty, err, "cpu: no memory for %zu blocks", b->blocks);
     show_outer_cells(m);
     for (size_t i = 0; i < b->blocks; ++i) {
         empty[i] = !(b->cells[2 * i] | b->cells[2 * i + 1]);

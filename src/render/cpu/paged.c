@@ -109,9 +109,9 @@ static iso_status allocate(paged *p, const iso_view *view, double memory_bytes, 
     p->rays = calloc(tiles, sizeof *p->rays);
     p->holds = malloc(p->pool * sizeof *p->holds);
     p->list = malloc(p->pool * sizeof *p->list);
-    if (!p->distance || !p->asked || !p->slots || !p->rays || !p->holds || !p->list ||
-        !iso_cast_pool_create(&p->voxels, &p->scalars, p->is_lit, p->pool, &bytes))
-        return iso_fail(err, ISO_E_MEMORY, "paged: no memory for %zu pages", p->pool);
+    NEED_MEMORY(p->distance && p->asked && p->slots && p->rays && p->holds && p->list &&
+                    iso_cast_pool_create(&p->voxels, &p->scalars, p->is_lit, p->pool, &bytes),
+                err, "paged: no memory for %zu pages", p->pool);
     memset(p->distance + p->blocks, 0, 4);
     for (size_t i = 0; i < p->pool; ++i)
         p->holds[i] = -1;

@@ -161,8 +161,7 @@ static iso_status upload_layout(const iso_gl *gl, const iso_node_levels *n, cons
 {
     size_t count = iso_brick_count(n);
     FREED float *texels = malloc(4 * count * sizeof *texels);
-    if (!texels)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for the layout of %zu bricks", count);
+    NEED_MEMORY(texels, err, "gl: no memory for the layout of %zu bricks", count);
     for (size_t i = 0; i < 4 * count; ++i)
         texels[i] = i % 4 == 3 ? pack->layout[i] : (float)(((double)pack->layout[i] + 0.5) / (double)pack->size[i % 4]);
     glActiveTexture(GL_TEXTURE0 + UNIT_LAYOUT);
@@ -211,8 +210,7 @@ static iso_status upload(brick_job *job, iso_gl_brick_stats *stats, iso_error *e
     brick_textures *t = &job->textures;
     size_t count = iso_brick_count(n);
     uint8_t *visible = malloc(count);
-    if (!visible)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for %zu bricks", count);
+    NEED_MEMORY(visible, err, "gl: no memory for %zu bricks", count);
     float entries[12];
     iso_tf_table surface = opt->surface ? iso_gl_surface_tf(opt->surface, n->min, n->max, entries) : view->tf;
     double shown = iso_brick_visible(f, view, &surface, opt->wanted, 0, visible);

@@ -83,8 +83,7 @@ iso_status iso_gl_upload_codes(const iso_gl *gl, const iso_level *level, iso_cod
     set_factors(&l, d);
     NEED(iso_gl_create_texture_3d(gl, format, size, "direction codes", &d->texture, err));
     void *plane = malloc(plane_count * l.channels * (l.wide ? 2 : 1));
-    if (!plane)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of codes");
+    NEED_MEMORY(plane, err, "gl: no memory for a plane of codes");
     for (size_t z = 0; z < size[2]; ++z) {
         const size_t first = z * plane_count;
         fill_plane(&l, level->codes + 3 * first, extinction_scale ? extinction_scale + first : NULL, plane_count,
@@ -121,8 +120,7 @@ iso_status iso_gl_upload_codes_with_scalar(const iso_gl *gl, const iso_level *le
     d->offset = -1;
     NEED(iso_gl_create_texture_3d(gl, GL_RGBA16, size, "direction codes and a scalar volume", &d->texture, err));
     uint16_t *plane = malloc(4 * count * sizeof *plane);
-    if (!plane)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of codes");
+    NEED_MEMORY(plane, err, "gl: no memory for a plane of codes");
     for (size_t z = 0; z < size[2]; ++z) {
         fill_plane_with_scalar(level, is_signed, multiple, z * count, count, plane);
         glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RGBA,
@@ -154,8 +152,7 @@ iso_status iso_gl_upload_vectors(const iso_gl *gl, const iso_level *level, iso_c
     NEED(iso_gl_create_texture_3d(gl, extinction_scale ? GL_RGBA32F : GL_RGB32F, size, "float directions", &d->texture,
                                   err));
     float *plane = malloc((extinction_scale ? 7 : 3) * plane_count * sizeof *plane);
-    if (!plane)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu directions", plane_count);
+    NEED_MEMORY(plane, err, "gl: no memory for a plane of %zu directions", plane_count);
     for (size_t z = 0; z < size[2]; ++z) {
         const size_t first = z * plane_count;
         const float *from = source == ISO_FROM_FLOAT ? level->directions + 3 * first : plane;

@@ -29,8 +29,7 @@ static void poison(GLenum internal_format, const size_t size[3])
 iso_status iso_gl_clear_texture_3d(const size_t size[3], iso_error *err)
 {
     uint8_t *zeros = calloc(size[0] * size[1], 1);
-    if (!zeros)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu x %zu texels", size[0], size[1]);
+    NEED_MEMORY(zeros, err, "gl: no memory for a plane of %zu x %zu texels", size[0], size[1]);
     for (size_t z = 0; z < size[2]; ++z)
         glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, (GLint)z, (GLsizei)size[0], (GLsizei)size[1], 1, GL_RED,
                         GL_UNSIGNED_BYTE, zeros);

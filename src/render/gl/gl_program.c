@@ -47,8 +47,7 @@ static iso_status shader_text(const iso_gl *gl, const char *name, const char **t
     if (!gl->shader_dir)
         return *text ? ISO_OK : iso_fail(err, ISO_E_MISSING, "gl: no shader is named '%s'", name);
     FREED char *path = iso_path_join(gl->shader_dir, name);
-    if (!path)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a path");
+    NEED_MEMORY(path, err, "gl: no memory for a path");
     iso_status status = ISO_OK;
     /* Headers that C shares belong to their modules, not to the shaders: they need not be in the folder. */
     if (iso_path_exists(path) || !iso_path_ends_with(name, ".h")) {
@@ -104,8 +103,7 @@ static iso_status append(expansion *e, const char *text, size_t length, iso_erro
     if (e->size + length + 1 > e->room) {
         size_t room = 2 * (e->size + length + 1);
         char *larger = realloc(e->text, room);
-        if (!larger)
-            return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a shader of %zu bytes", room);
+        NEED_MEMORY(larger, err, "gl: no memory for a shader of %zu bytes", room);
         e->text = larger;
         e->room = room;
     }
@@ -176,8 +174,7 @@ iso_status iso_gl_get_program(iso_gl *gl, const char *fragment, const char *defi
 {
     size_t size = strlen(fragment) + strlen(defines) + 2;
     char *key = malloc(size);
-    if (!key)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a program's name");
+    NEED_MEMORY(key, err, "gl: no memory for a program's name");
     snprintf(key, size, "%s\n%s", fragment, defines);
     for (size_t i = 0; i < gl->program_count; ++i)
         if (strcmp(gl->programs[i].key, key) == 0) {

@@ -140,8 +140,7 @@ static iso_status upload_scalar(const iso_gl *gl, const iso_level *level, level_
         glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     }
     void *plane = malloc(plane_count * (integers ? sizeof(uint16_t) : sizeof(float)));
-    if (!plane)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for a plane of %zu voxels", plane_count);
+    NEED_MEMORY(plane, err, "gl: no memory for a plane of %zu voxels", plane_count);
     uint16_t *codes = plane;
     float *parts = plane;
     for (size_t z = 0; z < size[2]; ++z) {
@@ -189,8 +188,7 @@ static iso_status upload_sums(const iso_gl *gl, const iso_tf_table *tf, level_te
     NEED(iso_tf_integral_create(&integral, tf, err));
     const size_t count = 4 * tf->count;
     FREED float *rows = malloc(2 * count * sizeof *rows);
-    if (!rows)
-        return iso_fail(err, ISO_E_MEMORY, "gl: no memory for the integral of %zu entries", tf->count);
+    NEED_MEMORY(rows, err, "gl: no memory for the integral of %zu entries", tf->count);
     for (size_t i = 0; i < count; ++i) {
         rows[i] = (float)integral.sums[i];
         rows[count + i] = (float)(integral.sums[i] - (double)rows[i]);
