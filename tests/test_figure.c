@@ -52,7 +52,7 @@ static void add_picture(iso_report *r, const char *name, double bias, double mm_
     for (size_t i = 0; i < (size_t)width * height; ++i)
         for (size_t c = 0; c < 4; ++c)
             image.rgba[4 * i + c] = c == 3 ? 1 : 0.25f + (i % width < width / 2 ? (float)bias : 0);
-    assert_ok(iso_report_add_image(r, name, &image, name, NULL, &err));
+    assert_ok(iso_report_add_image(r, name, &image, name, &err));
     iso_report_set_scale(r, name, mm_per_pixel);
 }
 

@@ -34,7 +34,7 @@ static iso_image ball(size_t size, double shift, double bias, double blur)
 
 static void add_image(iso_report *r, const char *name, iso_image *image)
 {
-    assert_ok(iso_report_add_image(r, name, image, "a ball", NULL, &err));
+    assert_ok(iso_report_add_image(r, name, image, "a ball", &err));
 }
 
 static iso_report_agreement compare(const iso_image *a, const iso_image *b)
@@ -490,11 +490,11 @@ TEST(bad_names_are_refused)
     const iso_report_about about = {.title = "t"};
     OWNED(iso_image) image = ball(16, 0, 0, 0), small = ball(12, 0, 0, 0);
     assert_ok(iso_report_create(&r, dir, &about, &err));
-    assert_status(iso_report_add_image(r, "../a", &image, NULL, NULL, &err), ISO_E_RANGE);
-    assert_status(iso_report_add_image(r, "", &image, NULL, NULL, &err), ISO_E_RANGE);
-    assert_ok(iso_report_add_image(r, "a", &image, NULL, NULL, &err));
-    assert_ok(iso_report_add_image(r, "small", &small, NULL, NULL, &err));
-    assert_status(iso_report_add_image(r, "a", &image, NULL, NULL, &err), ISO_E_RANGE);
+    assert_status(iso_report_add_image(r, "../a", &image, NULL, &err), ISO_E_RANGE);
+    assert_status(iso_report_add_image(r, "", &image, NULL, &err), ISO_E_RANGE);
+    assert_ok(iso_report_add_image(r, "a", &image, NULL, &err));
+    assert_ok(iso_report_add_image(r, "small", &small, NULL, &err));
+    assert_status(iso_report_add_image(r, "a", &image, NULL, &err), ISO_E_RANGE);
     iso_report_agreement row = {.scene = "s", .a = "a", .renderer = "b", .image_a = "a", .image_b = "none"};
     assert_status(iso_report_add_agreement(r, &row, &err), ISO_E_RANGE);
     row.image_b = "small";

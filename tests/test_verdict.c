@@ -227,7 +227,7 @@ TEST(without_limits_the_report_says_that_only_equal_images_agree)
     const double black[3] = {0, 0, 0};
     iso_report *r = open_report("equal");
     OWNED(iso_image) a = shown(3, 0.5F, 1, black);
-    assert_ok(iso_report_add_image(r, "a", &a, NULL, NULL, &err));
+    assert_ok(iso_report_add_image(r, "a", &a, NULL, &err));
     iso_report_agreement row = {
         .scene = "s", .a = "a", .renderer = "gl", .error_bar = NAN, .image_a = "a", .image_b = "a"};
     row.signal = (iso_signal){.color = 0.5, .alpha = 0.25, .least = 0.125};

@@ -317,9 +317,3 @@ iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_lev
     free(scaled.levels);
     return status;
 }
-
-iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *blend_path,
-                              const iso_blender_options *opt, const iso_progress *progress, iso_error *err)
-{
-    return iso_blender_export_levels(p, &(iso_blender_levels){level, 1, view}, blend_path, opt, progress, err);
-}

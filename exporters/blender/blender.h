@@ -81,19 +81,15 @@ iso_status iso_cycles_device(const char **name, iso_error *err);
 iso_status iso_blender_guard_grids(const char *blend_path, size_t level, size_t level_count, bool roi, bool force,
                                    iso_error *err);
 
-/* Writes NAME.blend, and NAME.vdb next to it; both or none. The folder can be moved. A Blender unit is a millimeter, or
- * a power of ten of it for volumes smaller than 1 mm or larger than 10 m; the VDB has the same unit. ISO_E_USAGE:
- * blend_path does not end in .blend. */
-iso_status iso_blender_export(const iso_pyramid *p, size_t level, const iso_view *view, const char *blend_path,
-                              const iso_blender_options *opt, const iso_progress *progress, iso_error *err);
-
 /* Levels [first, first + count), with a view for each. */
 typedef struct iso_blender_levels {
     size_t first, count;
     const iso_view *views; /* count; they differ only in their transfer functions */
 } iso_blender_levels;
 
-/* Writes levels to one NAME.blend, with a NAME_level_K.vdb each. A property "level" of the object NAME selects the
+/* Writes levels to one NAME.blend, with a NAME_level_K.vdb each, or one level with a NAME.vdb; all or none. The folder
+ * can be moved. A Blender unit is a millimeter, or a power of ten of it for volumes smaller than 1 mm or larger than
+ * 10 m; the VDB has the same unit. ISO_E_USAGE: blend_path does not end in .blend. A property "level" of the object NAME selects the
  * visible one. Material, shading and lights are shared; the color map has the rows of each level. */
 iso_status iso_blender_export_levels(const iso_pyramid *p, const iso_blender_levels *levels, const char *blend_path,
                                      const iso_blender_options *opt, const iso_progress *progress, iso_error *err);

@@ -20,7 +20,6 @@ typedef struct table {
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static table programs, renderers;
-static double own_before, children_before; /* processor seconds at the last reset */
 
 static row *find(table *t, const char *name)
 {
@@ -41,15 +40,6 @@ static double processor_seconds(int who)
     return getrusage(who, &u) != 0 ? 0
                                    : (double)(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
                                          1e-6 * (double)(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
-}
-
-void iso_work_reset(void)
-{
-    pthread_mutex_lock(&lock);
-    programs.count = renderers.count = 0;
-    own_before = processor_seconds(RUSAGE_SELF);
-    children_before = processor_seconds(RUSAGE_CHILDREN);
-    pthread_mutex_unlock(&lock);
 }
 
 void iso_work_add_start(const char *program)
@@ -87,8 +77,7 @@ iso_work_total iso_work_sum(void)
         t.pixels += renderers.rows[i].pixels;
         t.samples += renderers.rows[i].samples;
     }
-    t.processor_seconds = processor_seconds(RUSAGE_SELF) - own_before + processor_seconds(RUSAGE_CHILDREN) -
-                          children_before;
+    t.processor_seconds = processor_seconds(RUSAGE_SELF) + processor_seconds(RUSAGE_CHILDREN);
     pthread_mutex_unlock(&lock);
     return t;
 }

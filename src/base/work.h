@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* work.h - counts of this process's work: programs started, pictures rendered, samples taken.
  *
- * Counted from the start of the process, by any thread; iso_work_reset() sets all to 0. Names are copied, 63
- * characters at most. Each kind has ISO_WORK_MOST entries; later names are counted in the last one. */
+ * Counted from the start of the process, by any thread. Names are copied, 63 characters at most. Each kind has
+ * ISO_WORK_MOST entries; later names are counted in the last one. */
 #pragma once
 
 #include <jansson.h>
 #include <stddef.h>
 
 enum { ISO_WORK_MOST = 32 };
-
-void iso_work_reset(void);
 
 /* Counts the start of a program, and its end with its own and its children's processor time. */
 void iso_work_add_start(const char *program);

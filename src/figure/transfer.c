@@ -171,10 +171,10 @@ static iso_status choose(curves *c, const iso_figure_job *job, iso_error *err)
                         "--kind tf --levels goes with --adapt: without it all levels have one transfer function");
     c->first = job->levels > 1 ? 0 : (size_t)job->level;
     c->count = job->levels > 1 ? (size_t)job->levels : 1;
-    iso_status status = iso_figure_subject_load(&c->subject, job, c->first + c->count, NULL, err);
-    for (size_t i = 0; i < c->count && status == ISO_OK; ++i)
-        status = make_view(c, job, c->first + i, &c->views[i], err);
-    return status;
+    NEED(iso_figure_subject_load(&c->subject, job, c->first + c->count, NULL, err));
+    for (size_t i = 0; i < c->count; ++i)
+        NEED(make_view(c, job, c->first + i, &c->views[i], err));
+    return ISO_OK;
 }
 
 /* Puts all below each other, or two per row if both are wide enough. */

@@ -128,7 +128,7 @@ void iso_report_describe_machine(iso_report *r)
 }
 
 iso_status iso_report_add_image(iso_report *r, const char *name, const iso_image *image, const char *caption,
-                                const iso_image_note *notes, iso_error *err)
+                                iso_error *err)
 {
     const char *good = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
     if (!name[0] || name[0] == '.' || strspn(name, good) != strlen(name))
@@ -145,7 +145,7 @@ iso_status iso_report_add_image(iso_report *r, const char *name, const iso_image
     if (taken)
         return iso_fail(err, ISO_E_RANGE, "report: the image name \"%s\" is taken", name);
     char *uri = NULL;
-    iso_status status = iso_report_files_image(r->out.temp_path, name, image, notes, &uri, err);
+    iso_status status = iso_report_files_image(r->out.temp_path, name, image, &uri, err);
     pthread_mutex_lock(&r->lock);
     if (status == ISO_OK)
         json_object_set_new(json_object_get(r->inlined, "images"), name, json_string(uri));
@@ -388,7 +388,7 @@ iso_status iso_report_add_mistake(iso_report *r, const iso_report_mistake *m, is
     for (int i = 0; i < 3; ++i) {
         snprintf(names[i], sizeof names[i], "mistake-%.99s-%s", m->renderer, parts[i]);
         snprintf(caption, sizeof caption, "calibration: %.99s", m->check);
-        NEED(iso_report_add_image(r, names[i], m->pictures[i], caption, NULL, err));
+        NEED(iso_report_add_image(r, names[i], m->pictures[i], caption, err));
     }
     NEED(iso_report_files_difference(r->out.temp_path, names[0], names[1], &difference, err));
     iso_report_put(r, "mistakes", m->renderer, json_string(m->text));

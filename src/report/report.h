@@ -42,10 +42,9 @@ void iso_report_put(iso_report *report, const char *section, const char *key, js
 /* Sets processor, cores, memory and system under "machine". */
 void iso_report_describe_machine(iso_report *report);
 
-/* Saves NAME.exr and NAME.png; rows refer to the name: letters, digits, "-_.". notes as in iso_image_save_exr().
- * ISO_E_RANGE: an invalid name, or one that is taken. */
+/* Saves NAME.exr and NAME.png; rows refer to the name: letters, digits, "-_.". ISO_E_RANGE: an invalid name, or one that is taken. */
 iso_status iso_report_add_image(iso_report *report, const char *name, const iso_image *image, const char *caption,
-                                const iso_image_note *notes, iso_error *err);
+                                iso_error *err);
 
 /* Sets the width of a pixel, for scale bars; in perspective views at the center of the box. */
 void iso_report_set_scale(iso_report *report, const char *name, double mm_per_pixel);

@@ -29,12 +29,12 @@ iso_status iso_report_files_begin(const char *dir, iso_error *err)
 }
 
 iso_status iso_report_files_image(const char *dir, const char *name, const iso_image *image,
-                                  const iso_image_note *notes, char **uri, iso_error *err)
+                                  char **uri, iso_error *err)
 {
     FREED char *exr = NULL, *png = NULL;
     if (asprintf(&exr, "%s/images/%s.exr", dir, name) < 0 || asprintf(&png, "%s/images/%s.png", dir, name) < 0)
         return iso_fail(err, ISO_E_MEMORY, "report: out of memory");
-    NEED(iso_image_save_exr(image, exr, notes, err));
+    NEED(iso_image_save_exr(image, exr, NULL, err));
     NEED(iso_image_save_png(image, png, 1, err));
     return iso_page_file_uri(png, "image/png", uri, err);
 }

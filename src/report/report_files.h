@@ -11,7 +11,7 @@ iso_status iso_report_files_begin(const char *dir, iso_error *err);
 
 /* Writes NAME.exr and NAME.png; *uri is the PNG as a data URI, to be freed. */
 iso_status iso_report_files_image(const char *dir, const char *name, const iso_image *image,
-                                  const iso_image_note *notes, char **uri, iso_error *err);
+                                  char **uri, iso_error *err);
 
 /* Encodes the difference of two images of the report as a picture (page.h), to be freed. */
 iso_status iso_report_files_difference(const char *dir, const char *a, const char *b, char **uri, iso_error *err);

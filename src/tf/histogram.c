@@ -12,14 +12,11 @@
 
 /* ---- rows of level k at the fine voxels ---- */
 
-/* Rows of level k at the fine voxels; private to src/tf. */
-
 /* Position of a fine voxel between two coarse ones along one axis, clamped to the edge. */
 typedef struct place_between {
     size_t left, right;
     float weight_left, weight_right;
 } place_between;
-
 
 /* Scale of a coarse row in bins: ((blend of four rows) - lo) / step + 1/2, inside [1/2, count - 1/2]. Truncation then
  * rounds also values interpolated between two of them. */
@@ -143,7 +140,7 @@ static void count_keys(const uint32_t *keys, size_t n, uint32_t *even, uint32_t 
 
 /* ---- bins ---- */
 
-/* Fine voxels per call of iso_joint_add() by iso_joint_compute(). */
+/* Fine voxels per slab: its counts fit 32 bits. */
 #define SLAB_VOXELS ((size_t)1 << 26)
 /* Counts are kept in tables for up to DENSE_PAIRS pairs of bins; for more pairs, and for volumes that would hardly fill
  * a table, in hash maps. Each thread has its own tables (two for up to TWIN_PAIRS pairs, see count_keys()) as long
@@ -228,18 +225,28 @@ typedef struct counter {
     bool failed;
 } counter;
 
-struct iso_joint_builder {
-    iso_joint_shape shape;
+/* The bins, and the samples to count. */
+typedef struct joint_shape {
+    iso_bins z, s;
+    size_t second_count;         /* bins of the second value: 1, or ISO_TF_2D_ROWS */
+    const size_t *fine, *coarse; /* sizes of level 0 and of level `level` */
+    const float *values, *level_values;
+    float *second; /* its bin at each voxel of the level, possibly fractional; NULL with a count of 1 */
+    size_t level;
+    bool has_no_data; /* voxels without data, and those next to coarse ones without, are not counted */
+} joint_shape;
+
+typedef struct builder {
+    joint_shape shape;
     int thread_count;
     bool dense, shared; /* shared: True if all threads add to `table` */
     size_t table_count; /* per thread: 1 or 2 */
     counter *counters;  /* one per thread */
     uint64_t *table;    /* sums if dense, else in `map` */
     pair_map map;
-    uint64_t voxel_count;
-};
+} builder;
 
-static size_t pair_count(const iso_joint_builder *b)
+static size_t pair_count(const builder *b)
 {
     return b->shape.z.count * b->shape.s.count * b->shape.second_count;
 }
@@ -253,7 +260,7 @@ static void free_counter(counter *c)
     free(c->second_bins);
 }
 
-static bool make_counter(counter *c, const iso_joint_builder *b)
+static bool make_counter(counter *c, const builder *b)
 {
     c->blended = malloc((b->shape.coarse[0] + 2) * sizeof *c->blended);
     c->keys = malloc(b->shape.fine[0] * sizeof *c->keys);
@@ -262,41 +269,22 @@ static bool make_counter(counter *c, const iso_joint_builder *b)
     return c->blended && c->keys && c->second_bins && (c->tables || !b->dense || b->shared);
 }
 
-void iso_joint_abandon(iso_joint_builder *b)
+static void builder_destroy(builder *b)
 {
-    if (!b)
-        return;
     for (int t = 0; b->counters && t < b->thread_count; ++t)
         free_counter(&b->counters[t]);
     free(b->counters);
     free(b->table);
     map_free(&b->map);
-    free(b);
+    free(b->shape.second);
 }
 
-static iso_status check_shape(const iso_joint_shape *shape, iso_error *err)
+/* Prepares a builder whose shape is set. */
+static iso_status begin(builder *b, int threads, iso_error *err)
 {
-    const size_t *fine_size = shape->fine, *coarse_size = shape->coarse, level = shape->level;
-    if (level < 1 || level > 30)
-        return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu, must be 1 to 30", level);
-    if (shape->second_count != 1 && shape->second_count != ISO_TF_2D_ROWS)
-        return iso_fail(err, ISO_E_RANGE, "joint histogram: %zu bins of the second value, must be 1 or %d",
-                        shape->second_count, ISO_TF_2D_ROWS);
-    for (int a = 0; a < 3; ++a)
-        if (fine_size[a] == 0 || coarse_size[a] != ((fine_size[a] - 1) >> level) + 1)
-            return iso_fail(err, ISO_E_RANGE, "joint histogram: level %zu has size %zu along axis %d, must be %zu",
-                            level, coarse_size[a], a, fine_size[a] ? ((fine_size[a] - 1) >> level) + 1 : 0);
-    return ISO_OK;
-}
-
-iso_status iso_joint_begin(const iso_joint_shape *shape, int threads, iso_joint_builder **builder, iso_error *err)
-{
-    *builder = NULL;
-    NEED(check_shape(shape, err));
-    iso_joint_builder *b = calloc(1, sizeof *b);
-    NEED_MEMORY(b, err, "joint histogram: out of memory");
-    *b = (iso_joint_builder){.shape = *shape, .thread_count = iso_threads(threads)};
-    size_t pairs = pair_count(b);
+    const joint_shape *shape = &b->shape;
+    const size_t pairs = pair_count(b);
+    b->thread_count = iso_threads(threads);
     b->dense = pairs <= TWIN_PAIRS ||
                (pairs <= DENSE_PAIRS && pairs / 8 <= shape->fine[0] * shape->fine[1] * shape->fine[2]);
     b->table_count = pairs <= TWIN_PAIRS ? 2 : 1;
@@ -306,22 +294,11 @@ iso_status iso_joint_begin(const iso_joint_shape *shape, int threads, iso_joint_
     bool good = b->counters && (b->table || !b->dense);
     for (int t = 0; good && t < b->thread_count; ++t)
         good = make_counter(&b->counters[t], b);
-    if (!good) {
-        iso_joint_abandon(b);
-        return iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for %zu x %zu bins", shape->z.count,
-                        shape->s.count);
-    }
-    *builder = b;
+    NEED_MEMORY(good, err, "joint histogram: no memory for %zu x %zu bins", shape->z.count, shape->s.count);
     return ISO_OK;
 }
 
-void iso_joint_needs(const iso_joint_builder *b, size_t z0, size_t z1, size_t *first, size_t *count)
-{
-    *first = place_at(z0, b->shape.level, b->shape.coarse[2]).left;
-    *count = place_at(z1 - 1, b->shape.level, b->shape.coarse[2]).right + 1 - *first;
-}
-
-static void count_row(const iso_joint_builder *b, counter *c, size_t n)
+static void count_row(const builder *b, counter *c, size_t n)
 {
     const uint32_t *keys = c->keys;
     if (!b->dense)
@@ -337,19 +314,18 @@ static void count_row(const iso_joint_builder *b, counter *c, size_t n)
         count_keys(keys, n, c->tables, c->tables + (b->table_count - 1) * pair_count(b));
 }
 
-/* A row of level 0, and the first of the given planes of level k around it. */
+/* A row of level 0. */
 typedef struct row_place {
-    size_t y, z, coarse_z0;
+    size_t y, z;
 } row_place;
 
-/* Looks up the bins of a level's planes at the fine voxels of a row. */
-static void lookup_row(const iso_joint_builder *b, counter *c, row_place at, const float *coarse, row_scale scale,
-                       uint32_t *bins)
+/* Looks up the bins of a level's values at the fine voxels of a row. */
+static void lookup_row(const builder *b, counter *c, row_place at, const float *coarse, row_scale scale, uint32_t *bins)
 {
-    const size_t y = at.y, z = at.z, coarse_z0 = at.coarse_z0;
-    place_between py = place_at(y, b->shape.level, b->shape.coarse[1]), pz = place_at(z, b->shape.level, b->shape.coarse[2]);
-    size_t plane = b->shape.coarse[0] * b->shape.coarse[1];
-    const float *left = coarse + (pz.left - coarse_z0) * plane, *right = coarse + (pz.right - coarse_z0) * plane;
+    const place_between py = place_at(at.y, b->shape.level, b->shape.coarse[1]),
+                        pz = place_at(at.z, b->shape.level, b->shape.coarse[2]);
+    const size_t plane = b->shape.coarse[0] * b->shape.coarse[1];
+    const float *left = coarse + pz.left * plane, *right = coarse + pz.right * plane;
     const float *const rows[4] = {left + py.left * b->shape.coarse[0], left + py.right * b->shape.coarse[0],
                                   right + py.left * b->shape.coarse[0], right + py.right * b->shape.coarse[0]};
     const float weights[4] = {pz.weight_left * py.weight_left, pz.weight_left * py.weight_right,
@@ -364,8 +340,7 @@ static row_scale scale_of(const iso_bins *bins)
 }
 
 /* Keeps the keys of voxels that have data, and between coarse ones that have. Returns their number. */
-static size_t keep_data(const iso_joint_builder *b, counter *c, row_place at, const float *fine_row,
-                        const float *coarse)
+static size_t keep_data(const builder *b, counter *c, row_place at, const float *fine_row)
 {
     const size_t *size = b->shape.coarse, level = b->shape.level;
     const place_between y = place_at(at.y, level, size[1]), z = place_at(at.z, level, size[2]);
@@ -374,9 +349,10 @@ static size_t keep_data(const iso_joint_builder *b, counter *c, row_place at, co
         const place_between x = place_at(i, level, size[0]);
         bool is_there = !iso_is_no_data(fine_row[i]);
         for (int corner = 0; corner < 8 && is_there; ++corner) {
-            const size_t cz = (corner & 4 ? z.right : z.left) - at.coarse_z0;
+            const size_t cz = corner & 4 ? z.right : z.left;
             is_there = !iso_is_no_data(
-                coarse[(corner & 1 ? x.right : x.left) + size[0] * ((corner & 2 ? y.right : y.left) + size[1] * cz)]);
+                b->shape.level_values[(corner & 1 ? x.right : x.left) +
+                                      size[0] * ((corner & 2 ? y.right : y.left) + size[1] * cz)]);
         }
         c->keys[kept] = c->keys[i];
         kept += is_there;
@@ -384,19 +360,19 @@ static size_t keep_data(const iso_joint_builder *b, counter *c, row_place at, co
     return kept;
 }
 
-static void add_row(const iso_joint_builder *b, counter *c, row_place at, const float *fine_row, const float *coarse,
-                    const float *second)
+static void add_row(const builder *b, counter *c, row_place at)
 {
-    size_t n = b->shape.fine[0];
-    lookup_row(b, c, at, coarse, scale_of(&b->shape.s), c->keys);
+    const size_t n = b->shape.fine[0];
+    const float *fine_row = b->shape.values + (at.z * b->shape.fine[1] + at.y) * n;
+    lookup_row(b, c, at, b->shape.level_values, scale_of(&b->shape.s), c->keys);
     if (b->shape.second_count > 1) {
         const row_scale whole = {0, 1, (float)(b->shape.second_count - 1)};
-        lookup_row(b, c, at, second, whole, c->second_bins);
+        lookup_row(b, c, at, b->shape.second, whole, c->second_bins);
         for (size_t x = 0; x < n; ++x)
             c->keys[x] += c->second_bins[x] * (uint32_t)b->shape.s.count;
     }
     join_bins(fine_row, n, scale_of(&b->shape.z), (uint32_t)b->shape.z.count, c->keys);
-    count_row(b, c, b->shape.has_no_data ? keep_data(b, c, at, fine_row, coarse) : n);
+    count_row(b, c, b->shape.has_no_data ? keep_data(b, c, at, fine_row) : n);
 }
 
 /* Moves counts to the sums. Most of a large table is empty: blocks without counts are skipped and stay unallocated. */
@@ -416,7 +392,7 @@ static void take_counts(uint32_t *counts, size_t pairs, uint64_t *sums)
 }
 
 /* Adds all threads' counts to the sums. False: no memory. */
-static bool merge(iso_joint_builder *b)
+static bool merge(builder *b)
 {
     size_t pairs = pair_count(b);
     bool good = true;
@@ -433,24 +409,22 @@ static bool merge(iso_joint_builder *b)
     return good;
 }
 
-iso_status iso_joint_add(iso_joint_builder *b, size_t z0, size_t z1, const float *fine, const float *coarse,
-                         const float *second, iso_error *err)
+/* Counts the fine planes [z0, z1). */
+static iso_status add_slab(builder *b, size_t z0, size_t z1, iso_error *err)
 {
-    size_t ny = b->shape.fine[1], nx = b->shape.fine[0], first, count, part = (size_t)b->thread_count;
-    iso_joint_needs(b, z0, z1, &first, &count);
+    const size_t ny = b->shape.fine[1], part = (size_t)b->thread_count;
 #pragma omp parallel for schedule(static, 1) num_threads(b->thread_count)
     for (size_t t = 0; t < part; ++t) {
-        size_t row0 = (z1 - z0) * ny * t / part, row1 = (z1 - z0) * ny * (t + 1) / part;
+        const size_t row0 = (z1 - z0) * ny * t / part, row1 = (z1 - z0) * ny * (t + 1) / part;
         for (size_t r = row0; r < row1; ++r)
-            add_row(b, &b->counters[t], (row_place){r % ny, z0 + r / ny, first}, fine + r * nx, coarse, second);
+            add_row(b, &b->counters[t], (row_place){r % ny, z0 + r / ny});
     }
-    b->voxel_count += (uint64_t)((z1 - z0) * ny * nx);
     return merge(b) ? ISO_OK : iso_fail(err, ISO_E_MEMORY, "joint histogram: out of memory");
 }
 
 /* ---- rows ----------------------------------------------------------------------- */
 
-static iso_status make_rows(iso_joint *joint, const iso_joint_builder *b, size_t entry_count, iso_error *err)
+static iso_status make_rows(iso_joint *joint, const builder *b, size_t entry_count, iso_error *err)
 {
     *joint = (iso_joint){.z = b->shape.z,
                          .s = b->shape.s,
@@ -492,7 +466,7 @@ static int compare_pairs(const void *a, const void *b)
     return (ka > kb) - (ka < kb);
 }
 
-static iso_status rows_from_map(const iso_joint_builder *b, iso_joint *joint, iso_error *err)
+static iso_status rows_from_map(const builder *b, iso_joint *joint, iso_error *err)
 {
     FREED pair *pairs = malloc((b->map.used ? b->map.used : 1) * sizeof *pairs);
     NEED(pairs ? make_rows(joint, b, b->map.used, err)
@@ -508,7 +482,7 @@ static iso_status rows_from_map(const iso_joint_builder *b, iso_joint *joint, is
     return ISO_OK;
 }
 
-static iso_status rows_from_table(const iso_joint_builder *b, iso_joint *joint, iso_error *err)
+static iso_status rows_from_table(const builder *b, iso_joint *joint, iso_error *err)
 {
     const uint64_t *table = b->table;
     size_t pairs = pair_count(b), entries = 0;
@@ -522,14 +496,6 @@ static iso_status rows_from_table(const iso_joint_builder *b, iso_joint *joint, 
     return ISO_OK;
 }
 
-iso_status iso_joint_end(iso_joint_builder *b, iso_joint *joint, iso_error *err)
-{
-    *joint = (iso_joint){0};
-    iso_status status = b->dense ? rows_from_table(b, joint, err) : rows_from_map(b, joint, err);
-    iso_joint_abandon(b);
-    return status;
-}
-
 void iso_joint_destroy(iso_joint *joint)
 {
     if (!joint)
@@ -538,23 +504,6 @@ void iso_joint_destroy(iso_joint *joint)
     free(joint->entry_z);
     free(joint->entry_count_of);
     *joint = (iso_joint){0};
-}
-
-/* ---- a pyramid in memory ------------------------------------------------------------- */
-
-static iso_status count_all(const iso_pyramid *p, size_t level, const float *second, iso_joint_builder *b,
-                            iso_error *err)
-{
-    const iso_level *fine = &p->levels[0], *coarse = &p->levels[level];
-    const size_t *n = fine->geometry.size, *m = coarse->geometry.size;
-    size_t slab = SLAB_VOXELS / (n[0] * n[1]) > 0 ? SLAB_VOXELS / (n[0] * n[1]) : 1;
-    for (size_t z0 = 0; z0 < n[2]; z0 += slab) {
-        size_t z1 = z0 + slab < n[2] ? z0 + slab : n[2], first, count;
-        iso_joint_needs(b, z0, z1, &first, &count);
-        NEED(iso_joint_add(b, z0, z1, fine->scalar + z0 * n[0] * n[1], coarse->scalar + first * m[0] * m[1],
-                           second ? second + first * m[0] * m[1] : NULL, err));
-    }
-    return ISO_OK;
 }
 
 iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_second_value second, int threads,
@@ -569,32 +518,27 @@ iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_s
         return iso_fail(err, ISO_E_RANGE, "joint histogram: unknown second value %d", (int)second);
     if (second != ISO_SECOND_VALUE_NONE && bits > 12)
         return iso_fail(err, ISO_E_RANGE, "joint histogram: %d bits with a second value, must be 8 to 12", bits);
-    const iso_level *fine = &p->levels[0];
-    const size_t *n = fine->geometry.size, *m = p->levels[level].geometry.size;
-    iso_joint_shape shape = {.second_count = second == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS,
-                             .fine = {n[0], n[1], n[2]},
-                             .coarse = {m[0], m[1], m[2]},
-                             .level = level,
-                             .has_no_data = fine->geometry.has_no_data};
-    iso_joint_builder *b;
-    float *planes = NULL;
-    iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &shape.z, &shape.s);
-    iso_status status = iso_joint_begin(&shape, threads, &b, err);
-    if (status == ISO_OK && second != ISO_SECOND_VALUE_NONE) {
-        planes = malloc(m[0] * m[1] * m[2] * sizeof *planes);
-        if (!planes)
-            status = iso_fail(err, ISO_E_MEMORY, "joint histogram: no memory for the second value of %zu voxels",
-                              m[0] * m[1] * m[2]);
-        else
-            status = iso_joint_second_coordinates(p, level, second, threads, planes, err);
+    const iso_level *fine = &p->levels[0], *coarse = &p->levels[level];
+    const size_t *n = fine->geometry.size, voxels = iso_geometry_voxel_count(&coarse->geometry);
+    OWNED(builder)
+    b = {.shape = {.second_count = second == ISO_SECOND_VALUE_NONE ? 1 : ISO_TF_2D_ROWS,
+                   .fine = n,
+                   .coarse = coarse->geometry.size,
+                   .values = fine->scalar,
+                   .level_values = coarse->scalar,
+                   .level = level,
+                   .has_no_data = fine->geometry.has_no_data}};
+    iso_joint_bins(fine->min, fine->max, fine->stored_type, bits, &b.shape.z, &b.shape.s);
+    NEED(begin(&b, threads, err));
+    if (second != ISO_SECOND_VALUE_NONE) {
+        b.shape.second = malloc(voxels * sizeof *b.shape.second);
+        NEED_MEMORY(b.shape.second, err, "joint histogram: no memory for the second value of %zu voxels", voxels);
+        NEED(iso_joint_second_coordinates(p, level, second, threads, b.shape.second, err));
     }
-    TRY(status, count_all(p, level, planes, b, err));
-    free(planes);
-    if (status != ISO_OK) {
-        iso_joint_abandon(b);
-        return status;
-    }
-    status = iso_joint_end(b, joint, err);
+    const size_t slab = SLAB_VOXELS / (n[0] * n[1]) > 0 ? SLAB_VOXELS / (n[0] * n[1]) : 1;
+    for (size_t z = 0; z < n[2]; z += slab)
+        NEED(add_slab(&b, z, z + slab < n[2] ? z + slab : n[2], err));
+    NEED(b.dense ? rows_from_table(&b, joint, err) : rows_from_map(&b, joint, err));
     joint->second = second;
-    return status;
+    return ISO_OK;
 }

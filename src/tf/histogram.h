@@ -77,31 +77,6 @@ iso_status iso_joint_compute(const iso_pyramid *p, size_t level, int bits, iso_s
                              iso_joint *joint, iso_error *err);
 void iso_joint_destroy(iso_joint *joint); /* accepts empty and NULL */
 
-/* ---- the same by planes, for volumes larger than memory --------------------- */
-
-typedef struct iso_joint_builder iso_joint_builder;
-
-/* Bins and sizes of the two levels to count. */
-typedef struct iso_joint_shape {
-    iso_bins z, s;
-    size_t second_count;       /* bins of the second value: 1, or ISO_TF_2D_ROWS */
-    size_t fine[3], coarse[3]; /* sizes of level 0 and of level `level` */
-    size_t level;
-    bool has_no_data; /* voxels without data, and those next to coarse ones without, are not counted */
-} iso_joint_shape;
-
-/* Creates a builder, to be freed by iso_joint_end() or iso_joint_abandon(). ISO_E_RANGE, ISO_E_MEMORY. */
-iso_status iso_joint_begin(const iso_joint_shape *shape, int threads, iso_joint_builder **builder, iso_error *err);
-/* Returns the coarse planes [*first, *first + *count) that the fine planes [z0, z1) need. */
-void iso_joint_needs(const iso_joint_builder *builder, size_t z0, size_t z1, size_t *first, size_t *count);
-/* Counts the fine planes [z0, z1), at most 2^31 voxels. coarse: the planes given by iso_joint_needs(). second: the
- * second value in these planes as a bin, possibly fractional; NULL with a second_count of 1. */
-iso_status iso_joint_add(iso_joint_builder *builder, size_t z0, size_t z1, const float *fine, const float *coarse,
-                         const float *second, iso_error *err);
-/* Frees the builder in every case. The caller sets joint->second to its kind of second value. */
-iso_status iso_joint_end(iso_joint_builder *builder, iso_joint *joint, iso_error *err);
-void iso_joint_abandon(iso_joint_builder *builder);
-
 /* Computes the bin of the second value for all voxels of a level, possibly fractional. ISO_E_MEMORY. */
 iso_status iso_joint_second_coordinates(const iso_pyramid *p, size_t level, iso_second_value second, int threads,
                                         float *out, iso_error *err);

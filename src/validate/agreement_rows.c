@@ -26,7 +26,7 @@ void iso_validate_name_image(const iso_validation *v, size_t level, const char *
 iso_status iso_validate_add_image(iso_validation *v, const char *name, const iso_image *image, const char *caption,
                                   iso_error *err)
 {
-    NEED(iso_report_add_image(v->report, name, image, caption, NULL, err));
+    NEED(iso_report_add_image(v->report, name, image, caption, err));
     iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(v->view, &v->pyramid->levels[0].geometry));
     return ISO_OK;
 }

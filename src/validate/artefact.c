@@ -140,7 +140,7 @@ static iso_status add_image(iso_validation *v, const iso_artefact *a, const char
     char name[64], caption[128];
     snprintf(name, sizeof name, "artefact-%s-%s", a->target->name, what);
     snprintf(caption, sizeof caption, "what %s shows of an export: %s", a->target->title, what);
-    return image->rgba ? iso_report_add_image(v->report, name, image, caption, NULL, err) : ISO_OK;
+    return image->rgba ? iso_report_add_image(v->report, name, image, caption, err) : ISO_OK;
 }
 
 static iso_status add_result(iso_validation *v, const iso_artefact *a, const iso_artefact_result *r, iso_error *err)

@@ -61,7 +61,7 @@ static iso_status add_picture(const iso_validation *v, const char *name, const i
                               iso_error *err)
 {
     OWNED(iso_view) view = {0};
-    NEED(iso_report_add_image(v->report, name, image, caption, NULL, err));
+    NEED(iso_report_add_image(v->report, name, image, caption, err));
     NEED(iso_validate_level_view(v, 0, &view, err));
     iso_report_set_scale(v->report, name, iso_view_mm_per_pixel(&view, &v->pyramid->levels[0].geometry));
     return ISO_OK;

@@ -126,14 +126,9 @@ static const struct {
 };
 enum { COUNT = sizeof mistakes / sizeof *mistakes, NONE = COUNT };
 
-size_t iso_mistake_count(void)
-{
-    return COUNT;
-}
-
 const char *iso_mistake_name(size_t number)
 {
-    return mistakes[number].name;
+    return number < COUNT ? mistakes[number].name : NULL;
 }
 
 /* ---- drawing ---- */

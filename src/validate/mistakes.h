@@ -20,8 +20,7 @@ typedef struct iso_mistakes {
     int check;        /* the one that differs most */
 } iso_mistakes;
 
-/* Returns the number of known mistakes, and their names, such as "the volume stood half a voxel off along x". */
-size_t iso_mistake_count(void);
+/* Returns the name of a known mistake, such as "the volume stood half a voxel off along x"; NULL after the last. */
 const char *iso_mistake_name(size_t number);
 
 /* The check that differs most; empty without mistakes. */

@@ -273,14 +273,6 @@ iso_status iso_volume_load(const char *path, iso_volume *v, iso_error *err)
     return iso_volume_load_source(source, path, v, err);
 }
 
-iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, iso_volume *v, iso_error *err)
-{
-    *v = (iso_volume){0};
-    iso_volume_source *source;
-    NEED(iso_source_open_raw(path, layout, &source, err));
-    return iso_volume_load_source(source, path, v, err);
-}
-
 iso_status iso_volume_save(const iso_volume *v, const char *path, bool gzip, iso_error *err)
 {
     iso_volume_sink *sink;

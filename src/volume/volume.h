@@ -80,6 +80,5 @@ typedef struct iso_raw_layout {
     size_t skip_bytes;
     iso_no_data no_data;
 } iso_raw_layout;
-iso_status iso_volume_load_raw(const char *path, const iso_raw_layout *layout, iso_volume *v, iso_error *err);
 
 /* iso_volume_save() writes NRRD: in the library's header. */
