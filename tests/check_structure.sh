@@ -23,7 +23,7 @@ src/render/gl: gl_context gl_directions gl_uniforms gl_variant raycaster
 src/render: image_bound image_bound_points
 src/renderers: picture_store renderers
 src/report: levels report report_files
-src/view: contents plan viewer
+src/view: contents viewer
 src/volume: frames stream_kernel unpack
 src/volume/itk: dicom_series pictures
 src/volume: stream volume

@@ -11,8 +11,8 @@ import sys
 MAKES = r'(?:json_(?:pack|object_set(?:_new)?|object_update_new|string)|iso_json_get_\w+|\bput\b|keys\[\] =|words\[\] =)'
 TEXT = re.compile(r'"([a-z][a-z0-9_]*)"')
 
-# Files of other programs, whose keys doc/reference/tf-formats.md names where they matter.
-OTHERS = {"format_slicer.c", "format_paraview.c", "format_niivue.c"}
+# Files for other programs; doc/reference/tf-formats.md names their keys where they matter.
+OTHERS = {"format_slicer.c", "format_paraview.c", "format_niivue.c", "target_paraview.c"}
 
 words = {}
 for folder in sys.argv[1:]:

@@ -400,9 +400,10 @@ TEST(an_exported_scene_can_be_moved_switched_and_turned)
     free(tables[1].entries);
 }
 
-static iso_status export_level(const subject *s, size_t level, const char *path, const iso_blender_options *opt)
+static iso_status export_level(const subject *s, size_t level, const char *path, const iso_blender_options *opt,
+                               iso_error *err)
 {
-    return iso_blender_export_levels(&s->pyramid, &(iso_blender_levels){level, 1, &s->view}, path, opt, NULL, &err);
+    return iso_blender_export_levels(&s->pyramid, &(iso_blender_levels){level, 1, &s->view}, path, opt, NULL, err);
 }
 
 /* The .blend says in digits to be read where its origin lies; camera, box and suns are there with the volume. */
@@ -413,7 +414,7 @@ VALUES_TEST(a_volume_far_from_the_origin_agrees_and_so_does_its_file)
     ENDED_BY(close_subject) subject s = open_subject(&far_away);
     FREED char *blend = iso_path_join(s.dir, "far.blend");
     iso_blender_options opt = iso_blender_defaults();
-    assert_ok(export_level(&s, 0, blend, &opt));
+    assert_ok(export_level(&s, 0, blend, &opt, &err));
     const iso_vec3 center = iso_geometry_box_center_mm(&s.pyramid.levels[0].geometry);
     char script[2000];
     snprintf(script, sizeof script,
@@ -451,18 +452,18 @@ TEST(failures_are_told_and_leave_no_file)
     iso_image image;
     FREED char *blend = iso_path_join(s.dir, "v.blend"), *odd = iso_path_join(s.dir, "v.vdb");
     FREED char *lost = iso_path_join(s.dir, "missing/v.blend");
-    assert_status(export_level(&s, 0, odd, &opt), ISO_E_USAGE);
-    assert_status(export_level(&s, 0, lost, &opt), ISO_E_IO);
-    assert_status(export_level(&s, 2, blend, &opt), ISO_E_RANGE);
+    assert_status(export_level(&s, 0, odd, &opt, &err), ISO_E_USAGE);
+    assert_status(export_level(&s, 0, lost, &opt, &err), ISO_E_IO);
+    assert_status(export_level(&s, 2, blend, &opt, &err), ISO_E_RANGE);
     opt.step_voxels = 1e-4;
     assert_status(iso_cycles_render(&s.pyramid, 0, &s.view, &opt, &image, NULL, &err), ISO_E_RANGE);
     opt = iso_blender_defaults();
     setenv("ISOSHADE_BLENDER", "/nonexistent/blender", 1);
     assert_status(iso_cycles_render(&s.pyramid, 0, &s.view, &opt, &image, NULL, &err), ISO_E_MISSING);
     assert_null(image.rgba);
-    assert_status(export_level(&s, 0, blend, &opt), ISO_E_MISSING);
+    assert_status(export_level(&s, 0, blend, &opt, &err), ISO_E_MISSING);
     setenv("ISOSHADE_BLENDER", "/bin/false", 1);
-    assert_status(export_level(&s, 0, blend, &opt), ISO_E_PROGRAM);
+    assert_status(export_level(&s, 0, blend, &opt, &err), ISO_E_PROGRAM);
     unsetenv("ISOSHADE_BLENDER");
     check_nothing_left(s.dir, "v");
 }

@@ -183,7 +183,7 @@ TEST(each_format_has_a_whole_row)
     for (size_t i = 0; i < iso_volume_format_names.count; ++i) {
         const iso_volume_format *f = iso_volume_format_at(i);
         assert_true(f->name && *f->name && f->title && *f->title && f->summary && *f->summary && f->suffixes[0] == '.');
-        assert_true((!f->probe && !f->probe_path) == (!f->open && !f->read) && (!f->open && !f->read) == !f->starts);
+        assert_true((!f->marks[0].bytes && !f->probe && !f->probe_path) == (!f->open && !f->read) && (!f->open && !f->read) == !f->starts);
         size_t row = 99;
         assert_ok(iso_names_find(&iso_volume_format_names, f->name, &row, &err)); /* and its name is its own */
         assert_int_equal(row, i);
@@ -358,12 +358,12 @@ TEST(spacings_axis_mins_and_units_are_kept)
     assert_within(g.origin_mm.x, 5, 1e-14);
 }
 
-static iso_status load_raw(const iso_raw_layout *layout, iso_volume *v)
+static iso_status load_raw(const iso_raw_layout *layout, iso_volume *v, iso_error *err)
 {
     iso_volume_source *source;
     *v = (iso_volume){0};
-    NEED(iso_source_open_raw(in_dir("r.raw"), layout, &source, &err));
-    return iso_volume_load_source(source, in_dir("r.raw"), v, &err);
+    NEED(iso_source_open_raw(in_dir("r.raw"), layout, &source, err));
+    return iso_volume_load_source(source, in_dir("r.raw"), v, err);
 }
 
 TEST(raw_files_follow_the_layout_that_is_given)
@@ -372,21 +372,21 @@ TEST(raw_files_follow_the_layout_that_is_given)
     iso_raw_layout layout = {
         .type = ISO_U16, .size = {3, 1, 2}, .spacing_mm = {1, 2, 3}, .big_endian = true, .skip_bytes = 2};
     iso_volume v;
-    assert_ok(load_raw(&layout, &v));
+    assert_ok(load_raw(&layout, &v, &err));
     float row[3];
     iso_volume_row(&v, 0, 1, row);
     assert_memory_equal(row, ((float[]){4, 5, 6}), 12);
     iso_volume_destroy(&v);
     layout.skip_bytes = 0; /* less than a plane follows: a trailer */
-    assert_ok(load_raw(&layout, &v));
+    assert_ok(load_raw(&layout, &v, &err));
     iso_volume_destroy(&v);
     layout.size[2] = 1;
-    assert_status(load_raw(&layout, &v), ISO_E_FORMAT);
+    assert_status(load_raw(&layout, &v, &err), ISO_E_FORMAT);
     layout.size[2] = 2;
     layout.skip_bytes = 3;
-    assert_status(load_raw(&layout, &v), ISO_E_FORMAT);
+    assert_status(load_raw(&layout, &v, &err), ISO_E_FORMAT);
     layout.size[0] = (size_t)1 << 62;
-    assert_status(load_raw(&layout, &v), ISO_E_RANGE);
+    assert_status(load_raw(&layout, &v, &err), ISO_E_RANGE);
 }
 
 TEST(bad_nrrd_files_are_refused_with_the_reason)

@@ -11,11 +11,6 @@
 #include "base/process.h"
 #include "povray/povray_files.h"
 
-static iso_status find_povray(char **path, iso_error *err)
-{
-    return iso_process_find("povray", "povray", path, err);
-}
-
 typedef struct version_search {
     char *version;
     size_t size;
@@ -42,7 +37,7 @@ iso_status iso_povray_version(char *version, size_t size, iso_error *err)
 {
     FREED char *program = NULL;
     version[0] = 0;
-    NEED(find_povray(&program, err));
+    NEED(iso_process_find("povray", "povray", &program, err));
     version_search search = {version, size};
     const char *argv[] = {program, "--version", NULL};
     const iso_process_options options = {.line = take_version, .user = &search, .timeout_seconds = 600};
@@ -347,7 +342,7 @@ static iso_status render_prepared(const prepared_scenes *s, const wanted_picture
 {
     const iso_povray_options *opt = pictures[0].scene->options;
     FREED char *program = NULL;
-    NEED(find_povray(&program, err));
+    NEED(iso_process_find("povray", "povray", &program, err));
     if (opt->stats)
         *opt->stats = (iso_povray_stats){.df3_bytes = iso_povray_df3_bytes(s->dir)};
     return render_pictures(&(render_job){program, s->dir, pictures, count, opt->threads, opt->stats}, progress, images,

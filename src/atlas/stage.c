@@ -47,7 +47,7 @@ static iso_vec3 light_of(const iso_atlas_scene *s)
     return iso_normalize(iso_norm(s->light) > 0 ? s->light : iso_v3(-0.55, -0.25, 0.8));
 }
 
-static double height_of(const iso_atlas_scene *s)
+double iso_atlas_picture_mm(const iso_atlas_scene *s)
 {
     return s->height_mm > 0 ? s->height_mm : 1.7;
 }
@@ -69,11 +69,6 @@ static iso_tf tf_of(const iso_atlas_scene *s, iso_tf_point points[5])
                     .table_size = 512};
 }
 
-double iso_atlas_picture_mm(const iso_atlas_scene *scene)
-{
-    return height_of(scene);
-}
-
 iso_status iso_atlas_tf(const iso_atlas_scene *s, const iso_geometry *g, iso_tf_table *tf, iso_error *err)
 {
     iso_tf_point points[5];
@@ -88,7 +83,7 @@ static iso_status make_view(const iso_atlas_scene *s, const iso_geometry *g, iso
         (iso_view){.width = pixels, .height = pixels, .light_count = 1, .step_voxels = step_voxels, .shading = shading};
     view->lights[0] = (iso_light){.direction = light_of(s), .intensity = 1};
     iso_camera *c = &view->camera;
-    *c = (iso_camera){.orthographic = true, .forward = forward_of(s), .half_height = 0.5 * height_of(s)};
+    *c = (iso_camera){.orthographic = true, .forward = forward_of(s), .half_height = 0.5 * iso_atlas_picture_mm(s)};
     c->right = iso_normalize(iso_cross(c->forward, iso_v3(0, 0, 1)));
     c->up = iso_cross(c->right, c->forward);
     c->position = iso_scale(c->forward, -10);
@@ -109,9 +104,9 @@ json_t *iso_atlas_scene_to_json(const iso_atlas_scene *s, const char *comment)
                      "schema", "isoshade.scene/1", "comment", comment, "image", "width", ISO_ATLAS_PIXELS, "height",
                      ISO_ATLAS_PIXELS, "camera", "projection", "orthographic", "position",
                      vector(iso_scale(forward_of(s), -10)), "look_at", 0., 0., 0., "up", 0, 0, 1, "height_mm",
-                     height_of(s), "lights", "direction", vector(light_of(s)), "space", "world", "shading", "ambient",
-                     shading.ambient, "diffuse", shading.diffuse, "specular", shading.specular, "power", shading.power,
-                     "background", 0, 0, 0, "step_voxels", step_voxels, "tf", iso_tf_to_json(&tf));
+                     iso_atlas_picture_mm(s), "lights", "direction", vector(light_of(s)), "space", "world", "shading",
+                     "ambient", shading.ambient, "diffuse", shading.diffuse, "specular", shading.specular, "power",
+                     shading.power, "background", 0, 0, 0, "step_voxels", step_voxels, "tf", iso_tf_to_json(&tf));
 }
 
 /* ---- a way ---- */

@@ -47,9 +47,6 @@ bool iso_output_is_own(const char *const *own, const char *name);
 /* Replaces the temporary name in an error message by the final one, which the user gave. */
 void iso_output_rename_in(const char *temp_path, const char *final_path, iso_error *err);
 
-/* Replaces in it the names of all temporaries of iso_output_begin() and iso_output_begin_dir(). main() calls it. */
-void iso_output_rename_all_in(iso_error *err);
-
 /* Removes the command's own files from a directory of iso_output_resume_dir(). */
 void iso_output_clear(const iso_output *out);
 

@@ -284,11 +284,6 @@ void iso_output_rename_in(const char *temp_path, const char *final_path, iso_err
              found.text + before + strlen(temp_path));
 }
 
-void iso_output_rename_all_in(iso_error *err)
-{
-    iso_temporary_rename_in(err->text);
-}
-
 /* Exchanges both folders in one step. File systems without that operation rename the old one first, to a name unlike
  * those of temporaries. */
 static int exchange(const char *from, const char *to)

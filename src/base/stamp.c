@@ -28,7 +28,8 @@ iso_status iso_stamp_append(const char *path, const char *comment, iso_error *er
     return iso_fail(err, iso_errno_status(), "%s: cannot be written: %s", path, strerror(errno));
 }
 
-bool iso_stamp_fits(const char *path)
+/* True if the file ends in a line with the checksum of all before it. */
+static bool stamp_fits(const char *path)
 {
     const size_t tail = strlen(mark) + 16 + 1; /* mark, checksum, end of line */
     FREED char *data = NULL;
@@ -73,7 +74,7 @@ static iso_status keep_backup(const char *path, iso_error *err)
 
 iso_status iso_stamp_guard(const char *path, bool force, iso_error *err)
 {
-    return iso_stamp_guard_other(path, iso_stamp_fits(path), force, err);
+    return iso_stamp_guard_other(path, stamp_fits(path), force, err);
 }
 
 iso_status iso_stamp_guard_adjacent(const char *path, bool is_ours, iso_error *err)

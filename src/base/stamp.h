@@ -13,9 +13,6 @@
 /* Appends the line to a finished file, after `comment`, which makes the file's reader skip it: "// ". ISO_E_IO. */
 iso_status iso_stamp_append(const char *path, const char *comment, iso_error *err);
 
-/* True if the file ends in a line with the checksum of all before it. */
-bool iso_stamp_fits(const char *path);
-
 /* Guards a file that work will overwrite. ISO_OK: it is missing or stamped. Else ISO_E_IO, which names the file and the
  * remedy; with force the file stays as PATH1, as Blender names a backup, or as PATH2, PATH3 ... if that is taken. */
 iso_status iso_stamp_guard(const char *path, bool force, iso_error *err);

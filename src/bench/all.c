@@ -36,8 +36,6 @@ typedef struct iso_headline {
     bool lower_is_better;
     double bar; /* NaN: no bar */
 } iso_headline;
-extern const iso_headline iso_headlines[];
-extern const size_t iso_headline_count;
 
 /* Commands run in a new folder with volume.nrrd: thin shells in empty space, 512^3 bytes or (quick) 48^3. */
 #define BUILD \
@@ -75,7 +73,7 @@ extern const size_t iso_headline_count;
     }
 #define PLAN FOR_BRAIN("plan", "--error 1/255")
 
-const iso_headline iso_headlines[] = {
+static const iso_headline headlines[] = {
     {"first-picture", "a first picture of a brain", FIRST, "process.seconds", NULL, "s", NULL, true, 0.9},
     {"first-peak", "memory of the same", FIRST, "process.peak_bytes", NULL, "bytes", NULL, true, 1.76e8},
     {"first-picture-512", "a first picture of 512 x 512 x 512 bytes", FIRST_512, "process.seconds", NULL, "s", NULL,
@@ -137,7 +135,7 @@ const iso_headline iso_headlines[] = {
     {"df3-peak", "memory of the same", EXPORT("povray", "povray"), "process.peak_bytes", NULL, "bytes", NULL, true,
      8e8},
 };
-const size_t iso_headline_count = sizeof iso_headlines / sizeof *iso_headlines;
+enum { HEADLINES = sizeof headlines / sizeof *headlines };
 
 /* ---- paths to numbers ---- */
 
@@ -280,13 +278,13 @@ static iso_status run_json_command(const all_bench *b, const char *program, cons
 
 static const char *command_of(const all_bench *b, size_t headline)
 {
-    return iso_headlines[headline].command[b->quick ? 1 : 0];
+    return headlines[headline].command[b->quick ? 1 : 0];
 }
 
 static bool is_requested(const all_bench *b, size_t headline)
 {
     for (char **name = b->only; name && *name; ++name)
-        if (strcmp(*name, iso_headlines[headline].name) == 0)
+        if (strcmp(*name, headlines[headline].name) == 0)
             return true;
     return !b->only;
 }
@@ -314,11 +312,11 @@ static void measure(all_bench *b, size_t headline, int repeat, int which)
     json_auto_t *answer = NULL;
     iso_error why = {0};
     const iso_status status = run_json_command(b, b->programs[which], command_of(b, headline), &answer, &why);
-    for (size_t i = headline; i < iso_headline_count; ++i) {
+    for (size_t i = headline; i < HEADLINES; ++i) {
         double *value = &b->values[which][i * (size_t)b->repeats + (size_t)repeat];
         if (!is_requested(b, i) || strcmp(command_of(b, i), command_of(b, headline)) != 0)
             continue;
-        if (status != ISO_OK || headline_value(&iso_headlines[i], answer, value, &why) != ISO_OK) {
+        if (status != ISO_OK || headline_value(&headlines[i], answer, value, &why) != ISO_OK) {
             *value = NAN;
             note_cause(b->causes[which], i, &why);
         }
@@ -330,10 +328,10 @@ static iso_status measure_all(all_bench *b, iso_error *err)
 {
     const iso_progress progress = iso_cli_progress(b->cli);
     size_t total = 0, done = 0;
-    for (size_t i = 0; i < iso_headline_count; ++i)
+    for (size_t i = 0; i < HEADLINES; ++i)
         total += is_first(b, i) ? (size_t)b->repeats : 0;
     for (int repeat = 0; repeat < b->repeats; ++repeat)
-        for (size_t i = 0; i < iso_headline_count; ++i) {
+        for (size_t i = 0; i < HEADLINES; ++i) {
             if (!is_first(b, i))
                 continue;
             for (int turn = 0; turn < 2; ++turn) {
@@ -369,7 +367,7 @@ static bool meets(const iso_headline *h, double value)
 
 static json_t *headline_to_json(const all_bench *b, size_t i, int which)
 {
-    const iso_headline *h = &iso_headlines[i];
+    const iso_headline *h = &headlines[i];
     const double *values = b->values[which] + i * (size_t)b->repeats, median = median_of(values, b->repeats);
     json_t *row = json_pack("{s:s, s:s, s:s, s:s, s:s?, s:b}", "name", h->name, "sentence", h->sentence, "command",
                             command_of(b, i), "unit", h->unit, "peer", h->peer, "lower_is_better", h->lower_is_better);
@@ -396,7 +394,7 @@ static json_t *to_json(const all_bench *b, int which, const char *session)
     json_object_set_new(root, "session", json_string(session));
     json_object_set_new(root, "machine", iso_machine_describe());
     json_object_set_new(root, "threads", json_integer(iso_threads(b->cli->threads)));
-    for (size_t i = 0; i < iso_headline_count; ++i)
+    for (size_t i = 0; i < HEADLINES; ++i)
         if (is_requested(b, i))
             json_array_append_new(rows, headline_to_json(b, i, which));
     json_object_set_new(root, "headlines", rows);
@@ -431,7 +429,7 @@ static void print_all(const all_bench *b, const json_t *ours)
     const json_t *row;
     size_t i, shown = 0;
     printf("%-17s %9s %-16s %-10s\n", "figure", "median", "", b->quick ? "" : "bar");
-    for (i = 0; i < iso_headline_count; ++i) {
+    for (i = 0; i < HEADLINES; ++i) {
         if (!is_requested(b, i))
             continue;
         row = json_array_get(json_object_get(ours, "headlines"), shown++);
@@ -504,10 +502,10 @@ static iso_status make_volume(const all_bench *b, iso_error *err)
 
 static iso_status run_all(all_bench *b, const char *output, const char *page, const char *beside_output, iso_error *err)
 {
-    const size_t count = iso_headline_count * (size_t)b->repeats;
+    const size_t count = HEADLINES * (size_t)b->repeats;
     iso_status status = ISO_OK;
     for (int which = 0; which < 2; ++which) {
-        b->causes[which] = calloc(iso_headline_count, sizeof *b->causes[which]);
+        b->causes[which] = calloc(HEADLINES, sizeof *b->causes[which]);
         b->values[which] = malloc(count * sizeof **b->values);
         for (size_t i = 0; b->values[which] && i < count; ++i)
             b->values[which][i] = NAN;
@@ -518,7 +516,7 @@ static iso_status run_all(all_bench *b, const char *output, const char *page, co
     TRY(status, measure_all(b, err));
     TRY(status, report(b, output, page, beside_output, err));
     for (int which = 0; which < 2; ++which) {
-        for (size_t i = 0; b->causes[which] && i < iso_headline_count; ++i)
+        for (size_t i = 0; b->causes[which] && i < HEADLINES; ++i)
             free(b->causes[which][i]);
         free(b->causes[which]);
         free(b->values[which]);
@@ -530,8 +528,8 @@ static iso_status check_names(char *const *names, iso_error *err)
 {
     for (; names && *names; ++names) {
         const iso_headline *found = NULL;
-        for (size_t i = 0; i < iso_headline_count && !found; ++i)
-            found = strcmp(*names, iso_headlines[i].name) == 0 ? &iso_headlines[i] : NULL;
+        for (size_t i = 0; i < HEADLINES && !found; ++i)
+            found = strcmp(*names, headlines[i].name) == 0 ? &headlines[i] : NULL;
         if (!found)
             return iso_fail(err, ISO_E_USAGE,
                             "--only %s: no figure of that name; bench all --quick --repeat 1 lists them", *names);
@@ -552,9 +550,9 @@ static iso_status split_beside(char *beside, char **program, const char **file, 
 
 static char **split_names(char *names)
 {
-    char **list = calloc(iso_headline_count + 2, sizeof *list);
+    char **list = calloc(HEADLINES + 2, sizeof *list);
     size_t count = 0;
-    for (char *one; list && count <= iso_headline_count && (one = strsep(&names, ","));)
+    for (char *one; list && count <= HEADLINES && (one = strsep(&names, ","));)
         list[count++] = one;
     return list;
 }

@@ -21,9 +21,7 @@
 #include "pyramid/pyramid_stream.h"
 #include "volume/synthetic.h"
 
-/* ---- files ---- */
-
-/* The time of a streaming build, compared with the time that the disk needs for the same bytes. */
+/* ---- a streaming build, compared with the time that the disk needs for the same bytes ---- */
 
 /* Times of the fastest build and of the fastest copy. */
 typedef struct bench_files_times {

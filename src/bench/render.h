@@ -40,10 +40,6 @@ typedef struct bench_render_case {
 iso_status iso_bench_measure(iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt, bench_render_case what,
                              double *seconds, iso_error *err);
 
-/* Sets levels so that a box of fine bricks in the middle has about a quarter of all bricks beside coarse ones. Returns
- * that share. */
-double iso_bench_fill_quarter(const size_t count[3], uint8_t *levels);
-
 /* Measures bricks (--bricks). */
 iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p, const bench_render_options *opt,
                             iso_error *err);

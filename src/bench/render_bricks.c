@@ -33,7 +33,9 @@ static double fill_box(const size_t count[3], const size_t box[3], uint8_t *leve
     return (double)(fine - inner) / (double)all;
 }
 
-double iso_bench_fill_quarter(const size_t count[3], uint8_t *levels)
+/* Sets levels so that a box of fine bricks in the middle has about a quarter of all bricks beside coarse ones. Returns
+ * that share. */
+static double bench_fill_quarter(const size_t count[3], uint8_t *levels)
 {
     size_t best[3] = {0, 0, 0};
     double nearest = 1;
@@ -140,7 +142,7 @@ iso_status iso_bench_bricks(const iso_cli *cli, iso_gl *gl, const iso_pyramid *p
     if (status == ISO_OK) {
         const iso_brick_field nodes = {.nodes = &n, .levels = levels};
         json_t *root = iso_cli_json(cli);
-        status = run_brick_cases(cli, gl, p, &nodes, iso_bench_fill_quarter(n.count, levels), opt, root, err);
+        status = run_brick_cases(cli, gl, p, &nodes, bench_fill_quarter(n.count, levels), opt, root, err);
         if (cli->json && status == ISO_OK)
             iso_cli_print_json(root);
         else

@@ -168,6 +168,7 @@ typedef struct iso_own_nodes {
     size_t row, plane;
 } iso_own_nodes;
 iso_own_nodes iso_brick_own_nodes(const iso_brick_field *f, const size_t brick[3]);
+iso_node_range iso_own_nodes_range(iso_own_nodes own, size_t side);
 
 /* Returns a row of nodes along x at the brick's own level: iso_brick_side() nodes of ISO_NODE_CHANNELS. */
 const float *iso_brick_own_row(const iso_brick_field *f, const size_t brick[3], size_t y, size_t z);

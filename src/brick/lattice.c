@@ -43,7 +43,8 @@ static void count_values(const iso_node_levels *n, double width, float *row, siz
     }
 }
 
-double iso_lattice_background(const iso_node_levels *n, const iso_tf_table *tfs, size_t tf_count)
+/* Returns an invisible value in [min, max], from the invisible range with most of level 0; min if all is visible. */
+static double lattice_background(const iso_node_levels *n, const iso_tf_table *tfs, size_t tf_count)
 {
     size_t bins[BIN_COUNT] = {0}, most = 0;
     double width = (n->max - n->min) / BIN_COUNT, value = n->min;
@@ -268,7 +269,7 @@ static iso_status build(iso_lattice_builder *b, iso_error *err)
     b->step = iso_lattice_step(n);
     l->blocks = calloc(block_count(l), sizeof *l->blocks);
     NEED_MEMORY(l->blocks && note_shown(b), err, "lattice: no memory for %zu blocks", block_count(l));
-    l->background = iso_lattice_background(n, b->opt->tfs, b->opt->tf_count);
+    l->background = lattice_background(n, b->opt->tfs, b->opt->tf_count);
     l->empty[0] = (float)l->background;
     NEED(add_bricks(b, err));
     NEED(iso_lattice_add_halo(b, err));

@@ -96,6 +96,3 @@ void iso_lattice_destroy(iso_lattice *l); /* accepts empty and NULL */
 
 /* Returns the rounding step of sampled scalars: 1/65536 of the next power of two above the range. */
 double iso_lattice_step(const iso_node_levels *n);
-
-/* Returns an invisible value in [min, max], from the invisible range with most of level 0; min if all is visible. */
-double iso_lattice_background(const iso_node_levels *n, const iso_tf_table *tfs, size_t tf_count);

@@ -193,30 +193,13 @@ iso_status iso_brick_bake(const iso_brick_field *f, const size_t brick[3], float
     return ISO_OK;
 }
 
-static iso_node_range range_of_nodes(const iso_brick_field *f, const size_t brick[3])
-{
-    const size_t side = iso_brick_side(f->nodes, f->levels[iso_brick_index(f->nodes, brick)]);
-    iso_node_range r = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}};
-    for (size_t z = 0; z < side; ++z)
-        for (size_t y = 0; y < side; ++y) {
-            const float *row = iso_brick_own_row(f, brick, y, z);
-            for (size_t x = 0; x < side; ++x) {
-                const float value = row[ISO_NODE_CHANNELS * x];
-                r.whole[0] = fminf(r.whole[0], value);
-                r.whole[1] = fmaxf(r.whole[1], value);
-                r.inner[0] = on_face(side, x, y, z) ? r.inner[0] : fminf(r.inner[0], value);
-                r.inner[1] = on_face(side, x, y, z) ? r.inner[1] : fmaxf(r.inner[1], value);
-            }
-        }
-    return r;
-}
-
 /* Returns the range of a brick's own nodes, measured before if possible. */
 static iso_node_range range_of(const iso_brick_field *f, const size_t brick[3])
 {
     const size_t i = iso_brick_index(f->nodes, brick);
     const iso_node_range *ranges = f->nodes->ranges[f->levels[i]];
-    return ranges ? ranges[i] : range_of_nodes(f, brick);
+    return ranges ? ranges[i]
+                  : iso_own_nodes_range(iso_brick_own_nodes(f, brick), iso_brick_side(f->nodes, f->levels[i]));
 }
 
 /* Widens the range by all nodes of coarser neighbors that the brick's face nodes may be interpolated from. */

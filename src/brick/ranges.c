@@ -80,15 +80,12 @@ static void measure_voxels(const iso_node_levels *n, size_t by, size_t bz, const
         take_range(c, span_of(n, 0, bx), n, &n->ranges[0][iso_brick_index(n, (const size_t[]){bx, by, bz})]);
 }
 
-/* Measures a brick at a level whose nodes are all there. */
-static void measure_nodes(const iso_node_levels *n, size_t level, const size_t brick[3])
+iso_node_range iso_own_nodes_range(iso_own_nodes own, size_t side)
 {
-    const size_t side = iso_brick_side(n, level), nx = iso_node_count(n, level, 0), ny = iso_node_count(n, level, 1);
-    const size_t first = (side - 1) * (brick[0] + nx * (brick[1] + ny * brick[2]));
     iso_node_range r = {{INFINITY, -INFINITY}, {INFINITY, -INFINITY}};
     for (size_t i = 0; i < side * side * side; ++i) {
         const size_t at[3] = {i % side, i / side % side, i / (side * side)};
-        const float value = n->nodes[level][ISO_NODE_CHANNELS * (first + at[0] + nx * (at[1] + ny * at[2]))];
+        const float value = own.first[ISO_NODE_CHANNELS * at[0] + own.row * at[1] + own.plane * at[2]];
         bool on_face = false;
         for (int a = 0; a < 3; ++a)
             on_face = on_face || at[a] == 0 || at[a] + 1 == side;
@@ -99,7 +96,16 @@ static void measure_nodes(const iso_node_levels *n, size_t level, const size_t b
         r.inner[0] = value < r.inner[0] ? value : r.inner[0];
         r.inner[1] = value > r.inner[1] ? value : r.inner[1];
     }
-    n->ranges[level][iso_brick_index(n, brick)] = r;
+    return r;
+}
+
+/* Measures a brick at a level whose nodes are all there. */
+static void measure_nodes(const iso_node_levels *n, size_t level, const size_t brick[3])
+{
+    const size_t side = iso_brick_side(n, level), nx = iso_node_count(n, level, 0), ny = iso_node_count(n, level, 1);
+    const size_t first = (side - 1) * (brick[0] + nx * (brick[1] + ny * brick[2])), row = ISO_NODE_CHANNELS * nx;
+    const iso_own_nodes own = {n->nodes[level] + ISO_NODE_CHANNELS * first, row, row * ny};
+    n->ranges[level][iso_brick_index(n, brick)] = iso_own_nodes_range(own, side);
 }
 
 iso_status iso_node_levels_measure_ranges(iso_node_levels *n, int threads, iso_error *err)

@@ -46,7 +46,9 @@ static double floor_of(const coarser_steps *s, const iso_chart_outlook *o)
     return fmax((fine - h * h * coarse) / (1 - h * h), 0);
 }
 
-bool iso_chart_matters(const iso_chart_case *cases, size_t count, const iso_chart_case *c, const iso_chart_outlook *o)
+/* True if the setting is as likely as not to lie on a front. */
+static bool chart_matters(const iso_chart_case *cases, size_t count, const iso_chart_case *c,
+                          const iso_chart_outlook *o)
 {
     const coarser_steps s = find_coarser(cases, count, c);
     if (!s.coarse)
@@ -68,7 +70,7 @@ size_t iso_chart_next(iso_chart_case *cases, size_t count, const iso_chart_outlo
         iso_chart_case *c = &cases[i];
         if (c->done || !o->is_open(o->user, c))
             continue;
-        c->put_off = c->put_off || !iso_chart_matters(cases, count, c, o);
+        c->put_off = c->put_off || !chart_matters(cases, count, c, o);
         if (!c->put_off)
             return i;
         other = other == count ? i : other;

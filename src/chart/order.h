@@ -20,10 +20,6 @@ typedef struct iso_chart_outlook {
     const void *user;
 } iso_chart_outlook;
 
-/* True if the setting is as likely as not to lie on a front. */
-bool iso_chart_matters(const iso_chart_case *cases, size_t count, const iso_chart_case *c,
-                       const iso_chart_outlook *outlook);
-
 /* Returns the first open setting that matters, or if none does the first open one; count if none is open. Marks
  * deferred settings as put_off. */
 size_t iso_chart_next(iso_chart_case *cases, size_t count, const iso_chart_outlook *outlook);

@@ -9,7 +9,8 @@
 /* Height of a single voxel, in decades. */
 static const double one_voxel = 0.3;
 
-double iso_histogram_height(const iso_value_histogram *h, size_t count)
+/* Returns the height of a count, from 0 for none to 1 for the fullest bin; a single voxel stays visible. */
+static double histogram_height(const iso_value_histogram *h, size_t count)
 {
     return count ? (log10((double)count) + one_voxel) / (log10((double)h->most) + one_voxel) : 0;
 }
@@ -18,7 +19,7 @@ void iso_histogram_put_data(FILE *gp, const char *name, const iso_value_histogra
 {
     fprintf(gp, "$%s << EOD\n", name);
     for (size_t b = 0; b < h->count; ++b) {
-        const double from = h->lo + h->width * (double)b, height = iso_histogram_height(h, h->bins[b]);
+        const double from = h->lo + h->width * (double)b, height = histogram_height(h, h->bins[b]);
         fprintf(gp, "%.9g %.5f\n%.9g %.5f\n", from, height, from + h->width, height);
     }
     fputs("EOD\n", gp);
@@ -89,7 +90,7 @@ static void print_rows(const iso_value_histogram *h, int indent, FILE *f)
             snprintf(label, sizeof label, "%.2g", pow(10, fmax((row + 1.0) / ROWS * top - one_voxel, 0)));
         fprintf(f, "%*s%*s |", indent, "", LABEL, label);
         for (size_t b = 0; b < h->count; ++b) {
-            const double filled = iso_histogram_height(h, h->bins[b]) * ROWS - row;
+            const double filled = histogram_height(h, h->bins[b]) * ROWS - row;
             fputc(filled >= 0.95 ? '#' : filled >= 0.5 ? ':' : filled > 0 ? '.' : ' ', f);
         }
         fputc('\n', f);

@@ -6,9 +6,6 @@
 
 #include "volume/value_histogram.h"
 
-/* Returns the height of a count, from 0 for none to 1 for the fullest bin; a single voxel stays visible. */
-double iso_histogram_height(const iso_value_histogram *h, size_t count);
-
 /* Writes the data block $NAME: start and height of each bin, as a step line that begins and ends on the axis. */
 void iso_histogram_put_data(FILE *gp, const char *name, const iso_value_histogram *h);
 /* Writes "set y2tics ...": powers of ten at their heights, as many as are readable. axis: "y" or "y2". */

@@ -70,7 +70,7 @@ static iso_status flush_output(iso_status status, iso_error *err)
 
 static int report(const char *command, iso_status status, iso_error *err)
 {
-    iso_output_rename_all_in(err);
+    iso_temporary_rename_in(err->text);
     if (err->text[0] && status != ISO_OK)
         fprintf(stderr, "%s%s%s: %s\n", running->name, command[0] ? " " : "", command, err->text);
     return status;

@@ -24,11 +24,10 @@
 #include "validate/calibrate.h"
 #include "validate/validate.h"
 
-/* ---- elsewhere ---- */
+/* ---- requests ---- */
 
 /* Requests for a renderer on another machine (renderers/request.h): a folder for each scene and level and
  * for each calibration, and an index and a text that list the wanted pictures (renderers/pictures.h). */
-
 typedef struct iso_elsewhere {
     const char *dir;  /* an existing folder */
     const char *tier; /* "samples", "limit" or "8 bits" */

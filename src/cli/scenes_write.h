@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* scenes_write.h - `isoshade scenes --write DIR`: writes requests to render elsewhere (validate/elsewhere.h). */
+/* scenes_write.h - `isoshade scenes --write DIR`: writes requests to render elsewhere. */
 #pragma once
 
 #include "options/cli.h"

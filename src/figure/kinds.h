@@ -22,5 +22,4 @@ const char *iso_figure_method_words(const char *name);
 
 bool iso_figure_is_of_report(const iso_figure_job *job);
 /* Draws a report (of_report.c). ISO_E_FORMAT: not a report; ISO_E_RANGE: nothing to show, or an unknown method. */
-iso_status iso_figure_levels_of_report(const iso_figure_job *job, iso_page *page, iso_error *err);
-iso_status iso_figure_renderers_of_report(const iso_figure_job *job, iso_page *page, iso_error *err);
+iso_status iso_figure_draw_report(const iso_figure_job *job, bool of_levels, iso_page *page, iso_error *err);

@@ -114,13 +114,13 @@ static iso_status draw_volume(const iso_figure_job *job, bool of_levels, iso_pag
 
 static iso_status draw_levels(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    return iso_figure_is_of_report(job) ? iso_figure_levels_of_report(job, page, err)
+    return iso_figure_is_of_report(job) ? iso_figure_draw_report(job, true, page, err)
                                         : draw_volume(job, true, page, err);
 }
 
 static iso_status draw_renderers(const iso_figure_job *job, iso_page *page, iso_error *err)
 {
-    return iso_figure_is_of_report(job) ? iso_figure_renderers_of_report(job, page, err)
+    return iso_figure_is_of_report(job) ? iso_figure_draw_report(job, false, page, err)
                                         : draw_volume(job, false, page, err);
 }
 

@@ -419,7 +419,7 @@ static iso_status draw_sheet(figure *f, iso_page *page, iso_error *err)
     return ISO_OK;
 }
 
-static iso_status draw(const iso_figure_job *job, bool of_levels, iso_page *page, iso_error *err)
+iso_status iso_figure_draw_report(const iso_figure_job *job, bool of_levels, iso_page *page, iso_error *err)
 {
     OWNED(figure)
     f = {.job = job,
@@ -439,14 +439,4 @@ bool iso_figure_is_of_report(const iso_figure_job *job)
     FREED char *path = job->input ? iso_path_join(job->input, "report.json") : NULL;
     const bool is = path && iso_path_exists(path);
     return is;
-}
-
-iso_status iso_figure_levels_of_report(const iso_figure_job *job, iso_page *page, iso_error *err)
-{
-    return draw(job, true, page, err);
-}
-
-iso_status iso_figure_renderers_of_report(const iso_figure_job *job, iso_page *page, iso_error *err)
-{
-    return draw(job, false, page, err);
 }

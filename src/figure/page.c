@@ -17,7 +17,7 @@
 #include "figure/page_text.h"
 #include "report/gnuplot.h"
 
-/* ---- page png ---- */
+/* ---- the PNG ---- */
 
 /* Composes the PNG of a page: pictures, and gnuplot's drawing over them. */
 

@@ -81,13 +81,14 @@ static const signature *find_signature(const char *data, size_t size)
     return NULL;
 }
 
-iso_picture_kind iso_picture_kind_of(const char *data, size_t size)
+static iso_picture_kind picture_kind_of(const char *data, size_t size)
 {
     const signature *s = find_signature(data, size);
     return s ? s->kind : ISO_PICTURE_OTHER;
 }
 
-iso_status iso_picture_refuse(const char *path, const char *data, size_t size, const char *wanted, iso_error *err)
+/* Reports bytes of another kind, with its name, as ISO_E_FORMAT. wanted: the kinds that are read. */
+static iso_status picture_refuse(const char *path, const char *data, size_t size, const char *wanted, iso_error *err)
 {
     const signature *s = find_signature(data, size);
     if (size == 0)
@@ -107,9 +108,9 @@ iso_status iso_picture_read_kind(const char *path, iso_picture_kind kind, const 
                                  iso_error *err)
 {
     iso_status status = iso_picture_read_file(path, data, size, err);
-    if (status != ISO_OK || iso_picture_kind_of(*data, *size) == kind)
+    if (status != ISO_OK || picture_kind_of(*data, *size) == kind)
         return status;
-    status = iso_picture_refuse(path, *data, *size, wanted, err);
+    status = picture_refuse(path, *data, *size, wanted, err);
     free(*data);
     *data = NULL;
     return status;
@@ -124,13 +125,12 @@ iso_status iso_image_load(const char *path, iso_image_choice *choice, iso_image 
     iso_status status = iso_picture_read_file(path, &data, &size, err);
     if (status != ISO_OK)
         return status;
-    const iso_picture_kind kind = iso_picture_kind_of(data, size);
+    const iso_picture_kind kind = picture_kind_of(data, size);
     switch (kind) {
     case ISO_PICTURE_EXR: status = iso_exr_decode(path, data, size, choice, image, err); break;
     case ISO_PICTURE_PNG: status = iso_png_decode(path, data, size, &has_alpha, image, err); break;
     case ISO_PICTURE_PPM: status = iso_ppm_decode(path, data, size, image, err); break;
-    case ISO_PICTURE_OTHER:
-        status = iso_picture_refuse(path, data, size, "OpenEXR, PNG or PPM of 16 bits", err);
+    case ISO_PICTURE_OTHER: status = picture_refuse(path, data, size, "OpenEXR, PNG or PPM of 16 bits", err);
     }
     if (choice && kind != ISO_PICTURE_EXR)
         choice->has_alpha = has_alpha;

@@ -9,9 +9,6 @@ typedef enum iso_picture_kind { ISO_PICTURE_OTHER, ISO_PICTURE_EXR, ISO_PICTURE_
 
 /* Reads a whole file; a folder is refused by name. */
 iso_status iso_picture_read_file(const char *path, char **data, size_t *size, iso_error *err);
-iso_picture_kind iso_picture_kind_of(const char *data, size_t size);
-/* Reports bytes of another kind, with its name, as ISO_E_FORMAT. wanted: the kinds that are read. */
-iso_status iso_picture_refuse(const char *path, const char *data, size_t size, const char *wanted, iso_error *err);
 /* Reads a file that must be of the given kind, called `wanted` in messages. */
 iso_status iso_picture_read_kind(const char *path, iso_picture_kind kind, const char *wanted, char **data, size_t *size,
                                  iso_error *err);

@@ -13,7 +13,6 @@
 
 /* Converts a module's geometry to a public grid with the same values. */
 iso_grid iso_grid_of_geometry(const iso_geometry *g);
-iso_geometry iso_geometry_of_grid(const iso_grid *grid);
 
 /* Parses an object from memory. what: its name in messages. */
 iso_status iso_json_of_text(const char *text, const char *what, json_t **root, iso_error *err);

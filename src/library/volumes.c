@@ -23,7 +23,7 @@ iso_grid iso_grid_of_geometry(const iso_geometry *g)
     return grid;
 }
 
-iso_geometry iso_geometry_of_grid(const iso_grid *grid)
+static iso_geometry geometry_of_grid(const iso_grid *grid)
 {
     const double(*m)[4] = grid->index_to_world;
     iso_geometry g = {.origin_mm = {m[0][3], m[1][3], m[2][3]}};
@@ -44,7 +44,7 @@ iso_grid iso_grid_axis_aligned(const size_t size[3], const double spacing_mm[3])
 
 void iso_grid_spacing_mm(const iso_grid *grid, double spacing_mm[3])
 {
-    const iso_geometry g = iso_geometry_of_grid(grid);
+    const iso_geometry g = geometry_of_grid(grid);
     iso_geometry_spacing_mm(&g, spacing_mm);
 }
 
@@ -213,7 +213,7 @@ static iso_status copy_samples(const struct array_type *type, const char *sample
 iso_status iso_volume_from_array(const iso_grid *grid, const char *type, const void *samples,
                                  const ptrdiff_t strides[3], iso_volume **volume, iso_error *err)
 {
-    const iso_geometry g = iso_geometry_of_grid(grid);
+    const iso_geometry g = geometry_of_grid(grid);
     struct array_type which;
     *volume = NULL;
     NEED(array_type_from_name(type, &which, err));

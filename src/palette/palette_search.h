@@ -69,9 +69,6 @@ void iso_search_undo(palette_search *s);
 
 /* ---- swap ---- */
 
-/* Runs two-means inside one cluster, from its most distant item and the item most distant from that. Returns by how
- * much the two resultants are longer than the one; `side` is the second entry. */
-double iso_clusters_split(const clusters *c, uint32_t k, float side[3]);
 /* Runs exchanges, `trials` swaps per cluster, and exchanges again. */
 iso_status iso_clusters_improve(clusters *c, size_t trials, iso_random *random, const iso_progress *progress,
                                 iso_error *err);

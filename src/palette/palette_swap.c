@@ -4,7 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-double iso_clusters_split(const clusters *c, uint32_t k, float side[3])
+/* Runs two-means inside one cluster, from its most distant item and the item most distant from that. Returns by how
+ * much the two resultants are longer than the one; `side` is the second entry. */
+static double clusters_split(const clusters *c, uint32_t k, float side[3])
 {
     const cluster *own = &c->cluster[k];
     float a[3] = {c->axis[0][k], c->axis[1][k], c->axis[2][k]}, b[3];
@@ -75,7 +77,7 @@ static double removal_loss(const clusters *c, uint32_t k)
 static void rate(palette_search *s, uint32_t k)
 {
     float side[3];
-    s->split_gain[k] = iso_clusters_split(s->c, k, side);
+    s->split_gain[k] = clusters_split(s->c, k, side);
     s->removal_loss[k] = removal_loss(s->c, k);
 }
 
@@ -124,7 +126,7 @@ static bool try_swap(palette_search *s, uint32_t k, uint32_t target)
 {
     clusters *c = s->c;
     float side[3];
-    if (k == target || iso_clusters_split(c, target, side) < 0)
+    if (k == target || clusters_split(c, target, side) < 0)
         return false;
     const cluster before = c->cluster[k];
     s->recording = true;

@@ -18,15 +18,6 @@
 
 /* ---- which planes ---- */
 
-/* Returns the number of coarse planes whose fine planes are all below z. */
-static size_t summed_planes(const spline_level *s, size_t z)
-{
-    const iso_spline_axis *a = &s->axis[2];
-    if (z == a->fine)
-        return a->coarse;
-    return z >= a->ratio / 2 ? (z - a->ratio / 2) / a->ratio : 0;
-}
-
 /* Returns the number of planes in the blocks whose window lies in the summed planes. */
 static size_t solved_planes(const spline_level *s, size_t summed)
 {
@@ -45,7 +36,7 @@ size_t iso_cascade_spline_complete(const iso_cascade *c, size_t level, size_t z)
 {
     if (level > 0 && is_top(c, level))
         return z == c->size[0][2] ? c->size[level][2] : 0;
-    return level == 0 ? z : solved_planes(&c->spline[level], summed_planes(&c->spline[level], z));
+    return level == 0 ? z : solved_planes(&c->spline[level], iso_spline_summed(&c->spline[level].axis[2], z));
 }
 
 size_t iso_cascade_spline_lag(void)
@@ -238,7 +229,8 @@ typedef struct spline_range {
 static spline_range completed(const spline_run *r, size_t k, size_t z0, size_t z1)
 {
     const spline_level *s = &r->c->spline[k];
-    const size_t first = r->out[k].first, p0 = summed_planes(s, z0), p1 = summed_planes(s, z1);
+    const size_t first = r->out[k].first, p0 = iso_spline_summed(&s->axis[2], z0),
+                 p1 = iso_spline_summed(&s->axis[2], z1);
     const size_t needed = largest(p0, first > SPLINE_APRON ? first - SPLINE_APRON : 0),
                  block0 = largest(solved_planes(s, p0), first) / SPLINE_BLOCK,
                  block1 = (solved_planes(s, p1) + SPLINE_BLOCK - 1) / SPLINE_BLOCK;

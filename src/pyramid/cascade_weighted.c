@@ -181,15 +181,6 @@ static size_t top_level(const iso_cascade *c)
     return c->tile_top < c->level_count - 1 ? c->tile_top : c->level_count - 1;
 }
 
-/* Returns the number of coarse planes whose fine planes are all below z. */
-static size_t summed_planes(const weighted_level *s, size_t z)
-{
-    const iso_spline_axis *a = &s->axis[2];
-    if (z == a->fine)
-        return a->coarse;
-    return z >= a->ratio / 2 ? (z - a->ratio / 2) / a->ratio : 0;
-}
-
 /* Returns the number of planes in the blocks whose window lies in the summed planes. */
 static size_t solved_planes(const weighted_level *s, size_t summed)
 {
@@ -202,7 +193,7 @@ size_t iso_cascade_weighted_complete(const iso_cascade *c, size_t level, size_t 
 {
     if (level == 0 || level > top_level(c))
         return SIZE_MAX;
-    return solved_planes(&c->weighted[level], summed_planes(&c->weighted[level], z));
+    return solved_planes(&c->weighted[level], iso_spline_summed(&c->weighted[level].axis[2], z));
 }
 
 size_t iso_cascade_weighted_lag(void)
@@ -499,8 +490,8 @@ static void finish_planes(const weighted_run *r, size_t z0, size_t z1)
 {
     for (size_t k = 1; k <= top_level(r->c); ++k) {
         const weighted_level *s = &r->c->weighted[k];
-        const size_t before = solved_planes(s, summed_planes(s, z0)), first = r->out[k].first;
-        const size_t end = (solved_planes(s, summed_planes(s, z1)) + WEIGHTED_BLOCK - 1) / WEIGHTED_BLOCK;
+        const size_t before = solved_planes(s, iso_spline_summed(&s->axis[2], z0)), first = r->out[k].first;
+        const size_t end = (solved_planes(s, iso_spline_summed(&s->axis[2], z1)) + WEIGHTED_BLOCK - 1) / WEIGHTED_BLOCK;
         for (size_t b = (before > first ? before : first) / WEIGHTED_BLOCK; b < end; ++b)
             solve_block(r, k, b);
     }

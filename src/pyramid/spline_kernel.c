@@ -29,6 +29,13 @@ size_t iso_spline_end(const iso_spline_axis *a, size_t j)
     return j + 1 < a->coarse && end < a->fine ? end : a->fine;
 }
 
+size_t iso_spline_summed(const iso_spline_axis *a, size_t end)
+{
+    if (end == a->fine)
+        return a->coarse;
+    return end >= a->ratio / 2 ? (end - a->ratio / 2) / a->ratio : 0;
+}
+
 /* ---- the tridiagonal system ---- */
 
 /* Computes the elements (j, j) and (j, j + 1) of A^T A / r. */

@@ -29,6 +29,8 @@ size_t iso_spline_lookup(const iso_spline_axis *a, size_t i, double *f);
 /* Returns the first fine voxel that the tent of coarse voxel j covers, and the one after the last. */
 size_t iso_spline_first(const iso_spline_axis *a, size_t j);
 size_t iso_spline_end(const iso_spline_axis *a, size_t j);
+/* Returns the number of coarse voxels whose fine ones are all below `end`. */
+size_t iso_spline_summed(const iso_spline_axis *a, size_t end);
 
 /* One equation of a tridiagonal system after elimination: c = (b - below * c_before) * inverse, then
  * c -= above * c_after. */

@@ -100,7 +100,6 @@ void iso_stream_request_slab(pyramid_build *s, size_t i);
 iso_status iso_stream_wait_for_planes(pyramid_build *s, const stream_planes **planes, iso_error *err);
 iso_status iso_stream_feed_slab(pyramid_build *s, const stream_slab *b, const stream_planes *planes, iso_error *err);
 void iso_stream_list_slab(pyramid_build *s, const stream_slab *b, const stream_planes *planes);
-iso_status iso_stream_wait_for_writers(pyramid_build *s, iso_error *err);
 /* Builds all slabs, without other ranks. done: planes that are in the files already. */
 iso_status iso_stream_run_alone(pyramid_build *s, json_t *job, size_t done, const iso_progress *progress,
                                 iso_error *err);

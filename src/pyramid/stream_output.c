@@ -42,7 +42,7 @@ void iso_stream_output_begin_at(stream_output *o, size_t first)
             o->levels[k].files[i].stored = false;
 }
 
-size_t iso_stream_file_plane_bytes(const stream_level *l, int i)
+static size_t stream_file_plane_bytes(const stream_level *l, int i)
 {
     return l->geometry.size[0] * l->geometry.size[1] * l->files[i].components * iso_type_bytes(l->files[i].type);
 }
@@ -134,7 +134,7 @@ static iso_status open_file(stream_output *o, const char *path, const char *head
     XXH3_64bits_reset(l->hash[i]);
     if (join)
         return iso_bigfile_join(path, o->direct, &l->file[i], err);
-    l->files[i].bytes = l->first ? strlen(header) + l->first * iso_stream_file_plane_bytes(l, i) : 0;
+    l->files[i].bytes = l->first ? strlen(header) + l->first * stream_file_plane_bytes(l, i) : 0;
     NEED(iso_bigfile_open(path, o->direct, l->files[i].bytes, &l->file[i], err));
     return l->first ? hash_file(path, l->hash[i], l->files[i].bytes, err)
                     : write_and_hash(l, i, header, strlen(header), err);
@@ -212,7 +212,7 @@ void iso_stream_output_copy_begun(stream_output *o)
         list_pointers(&l->set[o->active], to);
         list_pointers(&l->set[!o->active], from);
         for (int i = 0; i < FILE_COUNT; ++i) {
-            const size_t plane = iso_stream_file_plane_bytes(l, i);
+            const size_t plane = stream_file_plane_bytes(l, i);
             if (to[i])
                 memcpy(to[i], from[i] + l->written * plane, (l->capacity - l->written) * plane);
         }
@@ -235,14 +235,13 @@ void iso_stream_output_list(stream_output *o, const size_t complete[STREAM_MAX_L
         stream_level *l = &o->levels[k];
         char *data[FILE_COUNT];
         list_pointers(&l->set[o->active], data);
-        const char *scalar = l->converts
-                                 ? data[FILE_SCALAR]
-                                 : input + (l->first - input_first) * iso_stream_file_plane_bytes(l, FILE_SCALAR);
+        const char *scalar = l->converts ? data[FILE_SCALAR]
+                                         : input + (l->first - input_first) * stream_file_plane_bytes(l, FILE_SCALAR);
         l->written = complete[k] > l->first ? complete[k] - l->first : 0;
         for (int i = 0; i < FILE_COUNT && l->written > 0; ++i)
             if (l->files[i].stored)
                 o->items[o->item_count++] = (stream_item){l, i, i == FILE_SCALAR ? scalar : data[i],
-                                                          l->written * iso_stream_file_plane_bytes(l, i)};
+                                                          l->written * stream_file_plane_bytes(l, i)};
         l->first += l->written;
     }
 }

@@ -61,7 +61,6 @@ void iso_stream_output_describe(stream_output *o, const iso_geometry *g, iso_typ
 void iso_stream_output_begin_at(stream_output *o, size_t first);
 /* Returns the bytes of one plane of a level in each set; the bytes of one plane of a file. */
 size_t iso_stream_level_plane_bytes(const stream_level *l, const iso_pyramid_options *opt);
-size_t iso_stream_file_plane_bytes(const stream_level *l, int file);
 
 /* Allocates buffers for slabs of this many planes. False if memory runs out. */
 bool iso_stream_output_create(stream_output *o, const iso_cascade *c, size_t slab, const iso_pyramid_options *opt);

@@ -170,7 +170,7 @@ void iso_stream_list_slab(pyramid_build *s, const stream_slab *b, const stream_p
     iso_stream_output_list(&s->out, complete, planes->data, planes->first);
 }
 
-iso_status iso_stream_wait_for_writers(pyramid_build *s, iso_error *err)
+static iso_status stream_wait_for_writers(pyramid_build *s, iso_error *err)
 {
     const double start = iso_clock_seconds();
     iso_status status = iso_stream_output_wait(&s->out, err);
@@ -204,7 +204,7 @@ static iso_status do_slab(pyramid_build *s, size_t i, json_t *job, size_t done, 
     NEED(iso_stream_wait_for_planes(s, &planes, err));
     iso_stream_request_slab(s, i + 1);
     NEED(iso_stream_feed_slab(s, &b, planes, err));
-    NEED(iso_stream_wait_for_writers(s, err));
+    NEED(stream_wait_for_writers(s, err));
     NEED(note_if_due(s, job, b.z0, done, err));
     iso_stream_list_slab(s, &b, planes);
     iso_stream_output_start(&s->out);
@@ -223,11 +223,11 @@ iso_status iso_stream_run_alone(pyramid_build *s, json_t *job, size_t done, cons
         status = do_slab(s, i, job, done, err);
         if (status != ISO_OK || s->how->stop_after == 0 || b.z1 < s->how->stop_after || b.z1 == nz)
             continue;
-        status = iso_stream_wait_for_writers(s, err);
+        status = stream_wait_for_writers(s, err);
         status = status == ISO_OK ? note_if_due(s, job, b.z1, done, err) : status;
         return status == ISO_OK ? iso_fail(err, ISO_E_PROGRAM, "stopped after %zu planes", b.z1) : status;
     }
-    TRY(status, iso_stream_wait_for_writers(s, err));
+    TRY(status, stream_wait_for_writers(s, err));
     iso_progress_report(progress, "build", 1);
     return status;
 }

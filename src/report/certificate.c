@@ -170,7 +170,7 @@ static json_t *levels_of(const json_t *rows)
     }
 }
 
-void iso_certificate_levels(const json_t *levels, char text[ISO_LEVELS_TEXT_BYTES])
+static void certificate_levels(const json_t *levels, char text[ISO_LEVELS_TEXT_BYTES])
 {
     size_t i;
     json_t *one;
@@ -275,7 +275,7 @@ static json_t *sentence_of(const json_t *certificate, const json_t *rows, iso_ve
     const size_t agree = count_rows(rows, ISO_VERDICT_AGREE), differ = count_rows(rows, ISO_VERDICT_DIFFER),
                  open = count_rows(rows, ISO_VERDICT_NOT_COMPARED);
     char text[640], levels[ISO_LEVELS_TEXT_BYTES];
-    iso_certificate_levels(json_object_get(certificate, "levels"), levels);
+    certificate_levels(json_object_get(certificate, "levels"), levels);
     if (verdict == ISO_VERDICT_AGREE)
         snprintf(text, sizeof text, "%zu comparison%s within %s limit%s, level %s.", agree, iso_words_plural(agree),
                  agree == 1 ? "its" : "their", iso_words_plural(agree), levels);
@@ -371,7 +371,7 @@ static json_t *words_of(const json_t *rows, const json_t *levels, iso_verdict ve
 {
     const size_t count = json_array_size(rows), differ = count_rows(rows, ISO_VERDICT_DIFFER);
     char text[ISO_LEVELS_TEXT_BYTES];
-    iso_certificate_levels(levels, text);
+    certificate_levels(levels, text);
     if (verdict == ISO_VERDICT_AGREE)
         return json_sprintf("agrees, level %s", text);
     if (verdict == ISO_VERDICT_DIFFER)

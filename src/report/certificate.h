@@ -22,4 +22,3 @@ iso_status iso_certificates_write(const char *dir, const json_t *site, const iso
 
 /* Names levels: "0-2", "0, 2". levels: objects with "level", ascending, and "verdict"; those that agree. */
 enum { ISO_LEVELS_TEXT_BYTES = 64 };
-void iso_certificate_levels(const json_t *levels, char text[ISO_LEVELS_TEXT_BYTES]);

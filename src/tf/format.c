@@ -53,11 +53,6 @@ char *iso_tf_format_written(char *text, size_t size)
     return text;
 }
 
-bool iso_tf_file_has(const iso_tf_file *file, const char *text)
-{
-    return memmem(file->text, file->size, text, strlen(text)) != NULL;
-}
-
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 static bool is_named(const iso_tf_format *format, const char *path)
@@ -68,7 +63,10 @@ static bool is_named(const iso_tf_format *format, const char *path)
 
 static bool looks_like(const iso_tf_format *format, const iso_tf_file *file)
 {
-    return format->load && format->probe && format->probe(file);
+    size_t marks = 0, found = 0;
+    for (; marks < ISO_TF_MARKS && format->marks[marks]; ++marks)
+        found += memmem(file->text, file->size, format->marks[marks], strlen(format->marks[marks])) != NULL;
+    return format->load && found >= (format->has_all_marks ? marks : 1) && found > 0;
 }
 
 /* Returns the format that matches both name and content. NULL: the content is of *other, which the name does not allow.

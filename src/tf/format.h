@@ -41,13 +41,14 @@ typedef struct iso_tf_output {
     double unit_mm;
 } iso_tf_output;
 
+enum { ISO_TF_MARKS = 3 };
 typedef struct iso_tf_format {
     const char *name;    /* "json" */
     const char *summary; /* content of a file */
     const char *suffix;  /* ".tf.json" */
     const char *also;    /* second ending of input files, which other formats may share: ".json"; or NULL */
-    /* True if the content looks like this format. NULL: the name decides. */
-    bool (*probe)(const iso_tf_file *file);
+    const char *marks[ISO_TF_MARKS]; /* texts of which a file of this format has one; none: the name decides */
+    bool has_all_marks;              /* True if it has all of them */
     /* Loads a TF; ISO_E_FORMAT names the file. NULL: such files are only written. */
     iso_status (*load)(const iso_tf_file *file, iso_tf *tf, iso_error *err);
     /* Writes the file; it appears once it is complete. NULL: such files are only read. */
@@ -65,9 +66,6 @@ const iso_tf_format *iso_tf_format_of(const char *path);
 char *iso_tf_format_written(char *text, size_t size);
 
 /* ---- shared by loaders ------------------------------------------------------------------------------------------- */
-
-/* True if the file contains the text. */
-bool iso_tf_file_has(const iso_tf_file *file, const char *text);
 
 /* Sets *chosen to the requested name; a single name is chosen without a request. ISO_E_USAGE lists the names;
  * ISO_E_FORMAT: there is none. what: "color map", for messages. */

@@ -2,11 +2,6 @@
 /* format_inviwo.c - transfer functions of Inviwo, in both forms that its versions have written. */
 #include "tf/xml.h"
 
-static bool looks_like_inviwo(const iso_tf_file *file)
-{
-    return iso_tf_file_has(file, "<InviwoTreeData") || iso_tf_file_has(file, "<InviwoWorkspace");
-}
-
 /* Reads <point><pos x y/><rgba x y z w/></point>, or the newer <Point><pos content/><rgba x y z w/></Point>. */
 static iso_status read_point(const iso_tf_file *file, const xmlNode *point, iso_tf_curves *c, iso_error *err)
 {
@@ -65,6 +60,6 @@ const iso_tf_format iso_tf_format_inviwo = {
     .name = "inviwo",
     .summary = "a transfer function of Inviwo; read only",
     .suffix = ".itf",
-    .probe = looks_like_inviwo,
+    .marks = {"<InviwoTreeData", "<InviwoWorkspace"},
     .load = load_inviwo,
 };

@@ -2,11 +2,6 @@
 /* format_json.c - our own transfer functions (tf.h documents the file). */
 #include "tf/format.h"
 
-static bool looks_like_json(const iso_tf_file *file)
-{
-    return iso_tf_file_has(file, "\"isoshade.tf/");
-}
-
 /* Refuses options that complete files of other programs: ours have all fields. */
 static iso_status check_request(const iso_tf_file *file, iso_error *err)
 {
@@ -34,7 +29,7 @@ const iso_tf_format iso_tf_format_json = {
     .summary = "isoshade's own format: points with value, color and opacity",
     .suffix = ".tf.json",
     .also = ".json",
-    .probe = looks_like_json,
+    .marks = {"\"isoshade.tf/"},
     .load = load_json,
     .save = save_json,
 };

@@ -5,11 +5,6 @@
 
 #include "tf/format.h"
 
-static bool looks_like_niivue(const iso_tf_file *file)
-{
-    return iso_tf_file_has(file, "\"R\"") && iso_tf_file_has(file, "\"G\"") && iso_tf_file_has(file, "\"B\"");
-}
-
 enum { MOST_ENTRIES = 4096 };
 typedef struct bytes {
     size_t count;
@@ -100,7 +95,8 @@ const iso_tf_format iso_tf_format_niivue = {
     .summary = "a color map of NiiVue or MRIcroGL: bytes, opacity per voxel",
     .suffix = ".niivue.json",
     .also = ".json",
-    .probe = looks_like_niivue,
+    .marks = {"\"R\"", "\"G\"", "\"B\""},
+    .has_all_marks = true,
     .load = load_niivue,
     .save = save_niivue,
     .is_per_voxel = true,

@@ -8,11 +8,6 @@
 #include "tf/format.h"
 #include "tf/paraview.h"
 
-static bool looks_like_paraview(const iso_tf_file *file)
-{
-    return iso_tf_file_has(file, "\"RGBPoints\"") || iso_tf_file_has(file, "\"IndexedColors\"");
-}
-
 /* ---- shared with the XML format ---------------------------------------------------------------------------------- */
 
 bool iso_paraview_is_ciede2000(const char *name)
@@ -193,7 +188,7 @@ const iso_tf_format iso_tf_format_paraview = {
     .summary = "color maps of ParaView, JSON; without the length of opacities",
     .suffix = ".paraview.json",
     .also = ".json",
-    .probe = looks_like_paraview,
+    .marks = {"\"RGBPoints\"", "\"IndexedColors\""},
     .load = load_paraview,
     .save = save_paraview,
     .has_no_unit = true,

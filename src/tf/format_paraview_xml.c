@@ -7,11 +7,6 @@
 #include "tf/paraview.h"
 #include "tf/xml.h"
 
-static bool looks_like_color_map(const iso_tf_file *file)
-{
-    return iso_tf_file_has(file, "<ColorMap");
-}
-
 static iso_status read_point(const iso_tf_file *file, const xmlNode *node, iso_tf_curves *c, bool has_opacity,
                              iso_error *err)
 {
@@ -76,6 +71,6 @@ const iso_tf_format iso_tf_format_paraview_xml = {
     .summary = "color maps of older versions of ParaView, XML; read only",
     .suffix = ".paraview.xml",
     .also = ".xml",
-    .probe = looks_like_color_map,
+    .marks = {"<ColorMap"},
     .load = load_color_map,
 };

@@ -5,11 +5,6 @@
 
 #include "tf/slicer.h"
 
-static bool looks_like_slicer(const iso_tf_file *file)
-{
-    return iso_tf_file_has(file, "\"volumeProperties\"");
-}
-
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 static void read_node(iso_json_reader *r, const json_t *item, int components, iso_tf_curve *curve)
@@ -150,7 +145,7 @@ const iso_tf_format iso_tf_format_slicer = {
     .summary = "a volume property of 3D Slicer",
     .suffix = ".vp.json",
     .also = ".json",
-    .probe = looks_like_slicer,
+    .marks = {"\"volumeProperties\""},
     .load = load_slicer,
     .save = save_slicer,
     .needs_range = true,

@@ -4,11 +4,6 @@
 #include "tf/slicer.h"
 #include "tf/xml.h"
 
-static bool looks_like_mrml(const iso_tf_file *file)
-{
-    return iso_tf_file_has(file, "<MRML") || iso_tf_file_has(file, "<VolumeProperty ");
-}
-
 static iso_status read_property(const iso_tf_file *file, const xmlNode *node, iso_tf_curves *c, iso_error *err)
 {
     ENDED_BY(iso_xml_free_text) char *scalar = iso_xml_text(node, "scalarOpacity");
@@ -36,6 +31,6 @@ const iso_tf_format iso_tf_format_slicer_mrml = {
     .summary = "volume properties in MRML files of 3D Slicer, such as presets.xml; read only",
     .suffix = ".mrml",
     .also = ".xml",
-    .probe = looks_like_mrml,
+    .marks = {"<MRML", "<VolumeProperty "},
     .load = load_mrml,
 };

@@ -4,11 +4,6 @@
 
 #include "tf/xml.h"
 
-static bool looks_like_voreen(const iso_tf_file *file)
-{
-    return iso_tf_file_has(file, "<TransFunc") || iso_tf_file_has(file, "<VoreenData");
-}
-
 typedef struct range {
     double lo, hi;
 } range;
@@ -99,6 +94,6 @@ const iso_tf_format iso_tf_format_voreen = {
     .name = "voreen",
     .summary = "a 1D transfer function of Voreen; read only",
     .suffix = ".tfi",
-    .probe = looks_like_voreen,
+    .marks = {"<TransFunc", "<VoreenData"},
     .load = load_voreen,
 };

@@ -18,26 +18,19 @@ static iso_status open_arrays(iso_volume_source *source, iso_error *err)
     return iso_child_open(source, &arrays, source->part, err);
 }
 
-static bool starts_like_hdf5(const unsigned char *head, size_t size)
-{
-    return size >= 8 && memcmp(head, "\x89HDF\r\n\x1a\n", 8) == 0;
-}
+#define HDF5_MARK ISO_MARK(0, "\x89HDF\r\n\x1a\n")
 
 /* True for HDF5 after bytes of the user's own, at 512, 1024, 2048 ...: so MATLAB's files of version 7.3 begin. */
 static bool has_user_block(const char *path)
 {
     enum { MOST_BYTES = 1 << 20 };
+    static const iso_mark mark = HDF5_MARK;
     unsigned char head[8];
     ENDED_BY(iso_close_file) FILE *f = iso_path_is_file(path) ? fopen(path, "rb") : NULL;
     bool found = false;
     for (long at = 512; f && !found && at <= MOST_BYTES && fseek(f, at, SEEK_SET) == 0; at *= 2)
-        found = starts_like_hdf5(head, fread(head, 1, sizeof head, f));
+        found = iso_marks_fit(&mark, 1, head, fread(head, 1, sizeof head, f));
     return found;
-}
-
-static bool starts_like_netcdf(const unsigned char *head, size_t size)
-{
-    return size >= 4 && memcmp(head, "CDF", 3) == 0 && (head[3] == 1 || head[3] == 2 || head[3] == 5);
 }
 
 /* True if the folder is a Zarr array or group, of version 2 or 3. */
@@ -59,7 +52,7 @@ const iso_volume_format iso_volume_format_hdf5 = {
     .suffixes = ".h5 .hdf5 .hdf .nc .nc4 .mnc .ims",
     .starts = "\"\\x89HDF\"",
     .takes_part = true,
-    .probe = starts_like_hdf5,
+    .marks = {HDF5_MARK},
     .probe_path = has_user_block,
     .open = open_arrays,
 };
@@ -71,7 +64,7 @@ const iso_volume_format iso_volume_format_netcdf = {
     .suffixes = ".nc .cdf .mnc",
     .starts = "\"CDF\"",
     .takes_part = true,
-    .probe = starts_like_netcdf,
+    .marks = {ISO_MARK(0, "CDF\1"), ISO_MARK(0, "CDF\2"), ISO_MARK(0, "CDF\5")},
     .open = open_arrays,
 };
 

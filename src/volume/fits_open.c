@@ -254,11 +254,6 @@ static iso_status read_fits(FILE *f, iso_volume_source *source, iso_error *err)
     return take_image(&h, source, err);
 }
 
-static bool starts_like_fits(const unsigned char *head, size_t size)
-{
-    return size >= CARD_BYTES && memcmp(head, "SIMPLE  =", 9) == 0;
-}
-
 const iso_volume_format iso_volume_format_fits = {
     .name = "fits",
     .title = "FITS",
@@ -266,6 +261,6 @@ const iso_volume_format iso_volume_format_fits = {
     .suffixes = ".fits .fit .fts",
     .starts = "\"SIMPLE  =\"",
     .takes_part = true,
-    .probe = starts_like_fits,
+    .marks = {ISO_MARK(0, "SIMPLE  =")},
     .read = read_fits,
 };

@@ -21,6 +21,14 @@ const iso_volume_format *iso_volume_format_at(size_t row)
     return row < BUILT_IN ? formats[row] : row - BUILT_IN < added_count ? added[row - BUILT_IN] : NULL;
 }
 
+bool iso_marks_fit(const iso_mark *marks, size_t count, const unsigned char *head, size_t size)
+{
+    for (size_t i = 0; i < count && marks[i].bytes; ++i)
+        if (size >= marks[i].at + marks[i].size && memcmp(head + marks[i].at, marks[i].bytes, marks[i].size) == 0)
+            return true;
+    return false;
+}
+
 iso_status iso_volume_format_add(const iso_volume_format *format, iso_error *err)
 {
     if (added_count == ADDED_MAX)

@@ -42,6 +42,19 @@ enum {
     ISO_VOLUME_HEAD_BYTES = 348
 }; /* of a file, that probe() sees: the longest header that needs them is NIfTI-1's */
 
+/* Bytes by which files of a format are known, and their place. */
+typedef struct iso_mark {
+    size_t at, size;
+    const char *bytes;
+} iso_mark;
+#define ISO_MARK(at, bytes) \
+    { \
+        at, sizeof(bytes) - 1, bytes \
+    }
+/* True if the first bytes of a file have one of `count` marks. */
+bool iso_marks_fit(const iso_mark *marks, size_t count, const unsigned char *head, size_t size);
+enum { ISO_VOLUME_MARKS = 3 };
+
 typedef struct iso_volume_format {
     const char *name;     /* "nrrd" */
     const char *title;    /* "NRRD" */
@@ -52,8 +65,8 @@ typedef struct iso_volume_format {
     bool takes_part;   /* of a file that holds several volumes, FILE:PART names one */
     bool unpacks;      /* gzip by itself, plane by plane; others get an unpacked copy of the file */
     bool takes_series; /* of a folder that holds several volumes, --series names one */
-    /* True if a file with these first bytes, unpacked if compressed, is of this format. NULL: only options select
-     * the format, as for raw. */
+    iso_mark marks[ISO_VOLUME_MARKS]; /* a file with one of them, unpacked if compressed, is of this format */
+    /* The same, if marks are not enough. Without both only options select the format, as for raw. */
     bool (*probe)(const unsigned char *head, size_t size);
     /* Whether a folder, or a file that no row's probe() takes, is of this format; NULL: none is. */
     bool (*probe_path)(const char *path);

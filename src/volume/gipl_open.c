@@ -12,12 +12,6 @@
 /* Byte offsets. */
 enum { SIZE = 0, TYPE = 8, SPACING = 10, ORIGIN = 204, MAGIC = 252, HEADER_BYTES = 256 };
 
-static bool starts_like_gipl(const unsigned char *head, size_t size)
-{
-    return size >= HEADER_BYTES &&
-           (memcmp(head + MAGIC, "\xef\xff\xe9\xb0", 4) == 0 || memcmp(head + MAGIC, "\x2a\xe3\x89\xb8", 4) == 0);
-}
-
 static uint64_t big_endian(const unsigned char *at, size_t bytes)
 {
     uint64_t value = 0;
@@ -123,6 +117,6 @@ const iso_volume_format iso_volume_format_gipl = {
     .suffixes = ".gipl .gipl.gz",
     .starts = "0xefffe9b0 at byte 252",
     .unpacks = true,
-    .probe = starts_like_gipl,
+    .marks = {ISO_MARK(MAGIC, "\xef\xff\xe9\xb0"), ISO_MARK(MAGIC, "\x2a\xe3\x89\xb8")},
     .open = open_gipl,
 };

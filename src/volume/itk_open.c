@@ -11,28 +11,20 @@
 #include "volume/child.h"
 
 /* First bytes of the files that are recognized without ITK, so that a message can name it if it is missing. */
-typedef struct start {
-    size_t at, size;
-    const char *bytes;
-} start;
-
-static const start starts[] = {
-    {128, 4, "DICM"}, {0, 8, "\x89PNG\r\n\x1a\n"}, {0, 3, "\xff\xd8\xff"}, /* JPEG */
+static const iso_mark starts[] = {
+    ISO_MARK(128, "DICM"), ISO_MARK(0, "\x89PNG\r\n\x1a\n"), ISO_MARK(0, "\xff\xd8\xff"), /* JPEG */
 };
 
 /* True if the file starts with one of the first `count`. */
 static bool has_known_start(const char *path, size_t count)
 {
-    char head[256];
+    unsigned char head[256];
     FILE *f = fopen(path, "rb");
     const size_t size = f ? fread(head, 1, sizeof head, f) : 0;
     const bool is_unread = !f || ferror(f); /* reported on opening */
     if (f)
         fclose(f);
-    for (size_t i = 0; i < count; ++i)
-        if (size >= starts[i].at + starts[i].size && memcmp(head + starts[i].at, starts[i].bytes, starts[i].size) == 0)
-            return true;
-    return is_unread;
+    return is_unread || iso_marks_fit(starts, count, head, size);
 }
 
 /* True for a folder that holds any files. */

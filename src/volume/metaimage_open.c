@@ -197,17 +197,12 @@ static iso_status open_metaimage(iso_volume_source *source, iso_error *err)
     return open_samples(&m, source, err);
 }
 
-static bool starts_like_metaimage(const unsigned char *head, size_t size)
-{
-    return (size >= 10 && memcmp(head, "ObjectType", 10) == 0) || (size >= 5 && memcmp(head, "NDims", 5) == 0);
-}
-
 const iso_volume_format iso_volume_format_metaimage = {
     .name = "metaimage",
     .title = "MetaImage",
     .summary = ".mha, or .mhd with a file of samples, raw or zlib, read plane by plane",
     .suffixes = ".mha .mhd",
     .starts = "\"ObjectType\" or \"NDims\"",
-    .probe = starts_like_metaimage,
+    .marks = {ISO_MARK(0, "ObjectType"), ISO_MARK(0, "NDims")},
     .open = open_metaimage,
 };

@@ -19,11 +19,6 @@ typedef struct mif {
     bool is_backward[MOST_AXES];
 } mif;
 
-static bool starts_like_mif(const unsigned char *head, size_t size)
-{
-    return size >= 13 && memcmp(head, "mrtrix image\n", 13) == 0;
-}
-
 /* Reads "-0,-1,+2": -0 is an axis, too. */
 static bool read_layout(const char *text, mif *m)
 {
@@ -179,6 +174,6 @@ const iso_volume_format iso_volume_format_mif = {
     .summary = "one file (.mif) or a header with its samples (.mih), with frames, plane by plane",
     .suffixes = ".mif .mih .mif.gz",
     .starts = "\"mrtrix image\"",
-    .probe = starts_like_mif,
+    .marks = {ISO_MARK(0, "mrtrix image\n")},
     .open = open_mif,
 };

@@ -37,11 +37,6 @@ static float real(const mrc *m, int word)
     return value;
 }
 
-static bool starts_like_mrc(const unsigned char *head, size_t size)
-{
-    return size >= MAP_AT + 4 && memcmp(head + MAP_AT, "MAP", 3) == 0;
-}
-
 static iso_status read_header(FILE *f, const char *path, mrc *m, iso_error *err)
 {
     const size_t n = fread(m->word, 1, HEADER_BYTES, f);
@@ -151,6 +146,6 @@ const iso_volume_format iso_volume_format_mrc = {
     .summary = "maps in angstrom, oblique cells too; modes 0, 1, 2, 6 and 12, plane by plane",
     .suffixes = ".mrc .map .ccp4 .rec",
     .starts = "\"MAP \" at byte 208",
-    .probe = starts_like_mrc,
+    .marks = {ISO_MARK(MAP_AT, "MAP")},
     .read = read_mrc,
 };

@@ -25,19 +25,9 @@
 #include "volume/segments.h"
 #include "volume/stream_kernel.h"
 
-/* ---- nrrd files ---- */
+/* ---- the data files that a header names, looked at before teem opens them ---- */
 
-/* The data files that an NRRD header names, looked at before teem opens them. */
-
-/* Finds the header's files, and refuses those that are unsafe in teem:
- *  - it prints a name's pattern by sprintf() into a buffer 10 bytes longer than the pattern;
- *  - it opens pipes, takes "-" for its input, and counts to any number of files;
- *  - messages of more than 1024 bytes, and a last line without its end, overflow it;
- *  - it reads the byte after an empty name, and the byte before a comment without a readable character.
- * So patterns have one place for a number, of a width of at most two digits. Files are regular ones, at most
- * ISO_NRRD_MOST_FILES. Lines are short and whole. *bytes: the files' total size; below 0 if the header names none.
- * ISO_E_FORMAT, ISO_E_IO, ISO_E_MEMORY. */
-enum { ISO_NRRD_MOST_FILES = 65536 };
+enum { MOST_FILES = 65536 };
 
 typedef struct look {
     const char *path; /* of the header */
@@ -65,8 +55,8 @@ static iso_status add_name(look *l, const char *name, iso_error *err)
     iso_words_copy_line(name, shown, sizeof shown);
     if (strcmp(name, "-") == 0)
         return iso_fail(err, ISO_E_FORMAT, "%s: its data file is \"-\", must be the name of a file", l->path);
-    if (++l->count > ISO_NRRD_MOST_FILES)
-        return iso_fail(err, ISO_E_RANGE, "%s: names more than %d data files", l->path, ISO_NRRD_MOST_FILES);
+    if (++l->count > MOST_FILES)
+        return iso_fail(err, ISO_E_RANGE, "%s: names more than %d data files", l->path, MOST_FILES);
     FREED char *dir = iso_path_dir(l->path);
     FREED char *file = name[0] == '/' ? strdup(name) : dir ? iso_path_join(dir, name) : NULL;
     struct stat st;
@@ -113,8 +103,8 @@ static iso_status add_numbered(look *l, char *pattern, iso_error *err)
     if (fabs(way) > INT_MAX || fabs(way * step) > INT_MAX || fabs((double)last + step) > INT_MAX)
         return iso_fail(err, ISO_E_RANGE, "%s: the numbers %d to %d by %d of its data files are too large", l->path,
                         first, last, step);
-    if (count > ISO_NRRD_MOST_FILES)
-        return iso_fail(err, ISO_E_RANGE, "%s: names %.0f data files, at most %d", l->path, count, ISO_NRRD_MOST_FILES);
+    if (count > MOST_FILES)
+        return iso_fail(err, ISO_E_RANGE, "%s: names %.0f data files, at most %d", l->path, count, MOST_FILES);
     for (int i = 0; i < (int)count; ++i) {
         FREED char *name = NULL;
         const size_t after = strcspn(place, "d") + 1;
@@ -232,6 +222,14 @@ static iso_status look_through(look *l, bool *any, iso_error *err)
     return l->missing[0] ? iso_fail(err, ISO_E_FORMAT, "%s: its data file %s", l->path, l->missing) : ISO_OK;
 }
 
+/* Finds the header's files, and refuses those that are unsafe in teem:
+ *  - it prints a name's pattern by sprintf() into a buffer 10 bytes longer than the pattern;
+ *  - it opens pipes, takes "-" for its input, and counts to any number of files;
+ *  - messages of more than 1024 bytes, and a last line without its end, overflow it;
+ *  - it reads the byte after an empty name, and the byte before a comment without a readable character.
+ * So patterns have one place for a number, of a width of at most two digits. Files are regular ones, at most
+ * MOST_FILES. Lines are short and whole. *bytes: the files' total size; below 0 if the header names none.
+ * ISO_E_FORMAT, ISO_E_IO, ISO_E_MEMORY. */
 static iso_status nrrd_look_at_files(const char *path, double *bytes, iso_error *err)
 {
     look l = {.path = path};
@@ -660,17 +658,12 @@ static iso_status open_nrrd(iso_volume_source *source, iso_error *err)
     return status;
 }
 
-static bool starts_like_nrrd(const unsigned char *head, size_t size)
-{
-    return size >= 4 && memcmp(head, "NRRD", 4) == 0;
-}
-
 const iso_volume_format iso_volume_format_nrrd = {
     .name = "nrrd",
     .title = "NRRD",
     .summary = "attached or detached header; raw and gzip plane by plane, other encodings at once",
     .suffixes = ".nrrd .nhdr",
     .starts = "\"NRRD000N\"",
-    .probe = starts_like_nrrd,
+    .marks = {ISO_MARK(0, "NRRD")},
     .open = open_nrrd,
 };

@@ -22,18 +22,12 @@ struct iso_volume_sink {
     size_t planes_done;
 };
 
-/* NRRD's own names of the types. */
-static const char *nrrd_type(iso_type type)
-{
-    return iso_type_name(type);
-}
-
 static bool write_header(FILE *file, const iso_volume *v, bool gzip)
 {
     const iso_geometry *g = &v->geometry;
     iso_vec3 first = iso_geometry_to_world(g, iso_v3(0.5, 0.5, 0.5));
     const char *endian = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? "little" : "big";
-    fprintf(file, "NRRD0005\n# made by isoshade\ntype: %s\ndimension: 3\n", nrrd_type(v->type));
+    fprintf(file, "NRRD0005\n# made by isoshade\ntype: %s\ndimension: 3\n", iso_type_name(v->type));
     fprintf(file, v->notes.world_is_ras ? "space: right-anterior-superior\n" : "space dimension: 3\n");
     fprintf(file, "sizes: %zu %zu %zu\nspace directions:", g->size[0], g->size[1], g->size[2]);
     for (int a = 0; a < 3; ++a) {

@@ -88,7 +88,8 @@ iso_status iso_source_check_read_gz(gzFile gz, const char *path, iso_status stat
     return code == Z_ERRNO ? iso_fail(err, ISO_E_IO, "%s: cannot be read", path) : status;
 }
 
-iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err)
+/* Does the work of iso_source_check_bytes() for the rest of the plain file. */
+static iso_status source_check_rest(const iso_volume_source *source, iso_error *err)
 {
     struct stat st;
     const off_t at = ftello(source->file);
@@ -123,7 +124,7 @@ iso_status iso_source_take_part(iso_volume_source *source, const char *path, siz
 iso_status iso_source_take_file(iso_volume_source *source, const char *path, size_t offset, iso_error *err)
 {
     NEED(open_at(source, path, offset, err));
-    return iso_source_check_rest(source, err);
+    return source_check_rest(source, err);
 }
 
 iso_status iso_source_unit(iso_volume_source *source, const char *unit, const char *fallback, double *mm,
@@ -396,7 +397,8 @@ static const iso_volume_format *find_format(const file_head *head)
 {
     const iso_volume_format *f;
     for (size_t i = 0; (f = iso_volume_format_at(i)); ++i)
-        if (f->probe && f->probe(head->bytes, head->size))
+        if (iso_marks_fit(f->marks, ISO_VOLUME_MARKS, head->bytes, head->size) ||
+            (f->probe && f->probe(head->bytes, head->size)))
             return f;
     return NULL;
 }

@@ -91,8 +91,6 @@ iso_status iso_source_check_packed(const iso_volume_source *source, const char *
                                    iso_error *err);
 /* Fails with ISO_E_IO if the path is not a regular file: reading a pipe would wait. */
 iso_status iso_source_check_regular(const char *path, iso_error *err);
-/* Does the work of iso_source_check_bytes() for the rest of the plain file. */
-iso_status iso_source_check_rest(const iso_volume_source *source, iso_error *err);
 /* Returns the bytes of all samples in the file; of one of its planes. Both include frames and channels not read. */
 size_t iso_source_bytes(const iso_volume_source *source);
 size_t iso_source_plane_bytes(const iso_volume_source *source);

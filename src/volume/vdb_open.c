@@ -11,11 +11,6 @@ static iso_status open_vdb(iso_volume_source *source, iso_error *err)
     return iso_child_open(source, &vdb, source->part, err);
 }
 
-static bool starts_like_vdb(const unsigned char *head, size_t size)
-{
-    return size >= 8 && memcmp(head, " BDV\0\0\0\0", 8) == 0;
-}
-
 const iso_volume_format iso_volume_format_vdb = {
     .name = "vdb",
     .title = "OpenVDB",
@@ -23,6 +18,6 @@ const iso_volume_format iso_volume_format_vdb = {
     .suffixes = ".vdb",
     .starts = "\" BDV\"",
     .takes_part = true,
-    .probe = starts_like_vdb,
+    .marks = {ISO_MARK(0, " BDV\0\0\0\0")},
     .open = open_vdb,
 };

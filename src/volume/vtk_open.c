@@ -22,11 +22,6 @@ typedef struct vtk_header {
     iso_rectilinear coordinates;
 } vtk_header;
 
-static bool starts_like_vtk(const unsigned char *head, size_t size)
-{
-    return size >= 14 && memcmp(head, "# vtk DataFile", 14) == 0;
-}
-
 /* Reads a coordinate: as text, or big-endian of 4 or 8 bytes. */
 static bool read_coordinate(FILE *f, bool is_text, bool is_double, double *value)
 {
@@ -194,6 +189,6 @@ const iso_volume_format iso_volume_format_vtk = {
     .summary = "structured points and rectilinear grids, of points or cells; binary plane by plane, text at once",
     .suffixes = ".vtk",
     .starts = "\"# vtk DataFile\"",
-    .probe = starts_like_vtk,
+    .marks = {ISO_MARK(0, "# vtk DataFile")},
     .read = read_vtk,
 };

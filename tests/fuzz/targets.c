@@ -18,8 +18,8 @@
 
 /* clang-format off */
 const fuzz_target fuzz_targets[] = {
-    {"nrrd", "input.nrrd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_open.c src/volume/nrrd_files.c src/volume/source*.c src/volume/geometry.c src/volume/unit.c"},
-    {"nhdr", "input.nhdr", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_open.c src/volume/nrrd_files.c"},
+    {"nrrd", "input.nrrd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_open.c src/volume/source*.c src/volume/geometry.c src/volume/unit.c"},
+    {"nhdr", "input.nhdr", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_open.c"},
     {"segments", "input.seg.nrrd", FUZZ_LINES, fuzz_volume, NULL, "src/volume/nrrd_open.c src/volume/segments.c"},
     {"nifti", "input.nii", FUZZ_BYTES, fuzz_volume, NULL, "src/volume/nifti_open.c"},
     {"metaimage", "input.mha", FUZZ_LINES, fuzz_volume, NULL, "src/volume/metaimage_open.c src/volume/zlib_samples.c"},

@@ -69,7 +69,7 @@ typedef struct iso_cast {
     /* If bricks are pages (paged.h) or are made one by one: the first voxel of each; below 0: it is missing. Else
      * NULL. */
     const int32_t *slots;
-    /* If bricks are made when a ray needs them (cast_made.h), otherwise NULL: makes a missing brick and returns its
+    /* If bricks are made when a ray needs them (caster.c), otherwise NULL: makes a missing brick and returns its
      * slot. Any thread may call it. */
     int32_t (*make_brick)(struct iso_cast_maker *maker, int32_t brick);
     struct iso_cast_maker *maker;

@@ -17,7 +17,7 @@
 #include "render/sampler.h"
 #include "render/screen_reach.h"
 
-/* ---- cast made ---- */
+/* ---- bricks on demand ---- */
 
 /* Bricks that are made when a ray looks into them.
  *
@@ -25,7 +25,6 @@
  *
  * For one picture: bricks that the transfer function or an opaque part hides have neither directions nor memory. The
  * bricks have the same bits as those of a whole level, and so has the picture. */
-
 typedef struct iso_cast_maker iso_cast_maker;
 
 typedef struct iso_cast_made {

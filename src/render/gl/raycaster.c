@@ -7,15 +7,15 @@
 
 #include "base/parallel.h"
 #include "brick/occupancy.h"
-#include "pyramid/narrow.h"
-#include "scene/roi.h"
 #include "fit/extinction_scale.h"
+#include "pyramid/narrow.h"
 #include "render/gl/gl_context.h"
 #include "render/gl/gl_directions.h"
 #include "render/gl/gl_uniforms.h"
 #include "render/gl/gl_variant.h"
 #include "render/sampler.h"
 #include "render/screen_reach.h"
+#include "scene/roi.h"
 #include "tf/integral.h"
 
 /* ---- a palette and its indices as textures ---- */
