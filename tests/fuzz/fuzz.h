@@ -39,7 +39,7 @@ extern const fuzz_target fuzz_targets[]; /* ends with a NULL name */
 /* ---- what targets use ---- */
 
 _Noreturn void fuzz_fail(const char *format, ...) __attribute__((format(printf, 1, 2)));
-/* A status other than ISO_OK comes with a message. */
+/* A status other than ISO_OK comes with a message of one line. */
 void fuzz_check_status(iso_status status, const iso_error *err);
 /* The reader took the input, as it does each good file: where it never does, only its refusals are looked at. */
 void fuzz_note_read(void);

@@ -101,6 +101,8 @@ void fuzz_check_status(iso_status status, const iso_error *err)
         fuzz_fail("status %d is none", (int)status);
     if (!err->text[0])
         fuzz_fail("status %d has no message", (int)status);
+    if (strchr(err->text, '\n'))
+        fuzz_fail("a message is more than one line: %s", err->text);
 }
 
 void fuzz_note_read(void)
