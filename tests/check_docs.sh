@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # The documentation holds together: lines wrap at 120 columns, links and pictures exist, each file of doc/ can be reached from
 # README.md, each picture has the command that draws it, the list of rooms is that of check_layering.sh, and comments of the
-# source name pages that are there.
+# source name pages that are there, as pages name files of the source.
 . "$(dirname "$0")/lib.sh"
 
 pages() { (cd "$1" && find . -name '*.md' \( ! -path './*/*' -o -path './doc/*' \) | sed 's|^\./||' | sort); }
@@ -77,6 +77,15 @@ lost_pages() {
         sort -u | while read -r page; do [ -e "$1/$page" ] || echo "$page is named by a comment and is not there"; done
 }
 
+# folder: a line for each source file that a page names and that is not there
+lost_files() {
+    local page file
+    for page in $(pages "$1"); do
+        grep -oE '`(src|exporters|tests|refscenes)/[A-Za-z0-9_./-]+\.[a-z]+`' "$1/$page" | tr -d '`' | sort -u |
+            while read -r file; do [ -e "$1/$file" ] || echo "$page names $file, which is not there"; done
+    done
+}
+
 table_rooms() { sed -n '/^table="/,/^"/ s/^\([a-z]*\):.*/\1/p' "$1/tests/check_layering.sh"; }
 listed_rooms() { sed -n 's/^| `\(src\|exporters\)\/\([a-z]*\)` .*/\2/p' "$1/doc/ARCHITECTURE.md"; }
 
@@ -100,6 +109,7 @@ nothing parts_that_links_name_are_headings "$(python3 "$top/tests/anchors.py" "$
 nothing no_file_of_doc_is_left_unlinked "$(unlinked "$top")"
 nothing each_picture_has_a_command "$(undrawn "$top")"
 nothing pages_that_comments_name_are_there "$(lost_pages "$top")"
+nothing files_that_pages_name_are_there "$(lost_files "$top")"
 nothing pictures_are_below_a_mebibyte "$(find "$top/doc" -type f -size +1023k)"
 nothing rooms_are_those_of_check_layering "$(diff <(table_rooms "$top") <(listed_rooms "$top"))"
 check there_are_rooms test "$(table_rooms "$top" | wc -l)" -gt 10
@@ -107,7 +117,7 @@ check there_are_rooms test "$(table_rooms "$top" | wc -l)" -gt 10
 # Planted faults: one of each kind in a small project of its own.
 mkdir -p planted/doc/figures planted/src planted/exporters planted/tests planted/refscenes && touch planted/Makefile
 printf '# a page\n\n%0121d\n\n| %0121d |\n\n    %0121d\n\n[a](doc/a.md) ![p](doc/figures/p.png) [gone](doc/gone.md)\n' 0 0 0 >planted/README.md
-printf '# A page\n\n[up](../README.md) [here](#a-page) [nowhere](../README.md#part)\n' >planted/doc/a.md
+printf '# A page\n\n`src/x.c` `src/y.c` [up](../README.md) [here](#a-page) [nowhere](../README.md#part)\n' >planted/doc/a.md
 printf 'nobody links here\n' >planted/doc/lonely.md
 touch planted/doc/figures/p.png
 printf '/* doc/old.md, doc/a.md */\n' >planted/src/x.c
@@ -125,5 +135,6 @@ printf 'draw_p() {\n    echo >p.png\n}\nquick="other"\n' >planted/refscenes/figu
 check a_picture_that_no_list_has_is_found test "$(undrawn planted)" = "doc/figures/p.png is drawn by no command that is called: draw_p"
 sed -i 's/other/draw-p/' planted/refscenes/figures.sh
 check a_picture_of_a_list_is_not test -z "$(undrawn planted)"
+check a_file_that_is_gone_is_found test "$(lost_files planted)" = "doc/a.md names src/y.c, which is not there"
 check a_page_that_is_gone_is_found test "$(lost_pages planted)" = "doc/old.md is named by a comment and is not there"
 exit $failed
