@@ -42,7 +42,7 @@ def each_frame(path, values, said=(0, ""), **more):
     expect((about["frame_step"], about["frame_unit"]) == said,
            f"the frames are {about['frame_step']} {about['frame_unit']} apart, not {said}")
     must_choose(path, f"has {len(values)} frames")
-    refused(path, 2, f'--frame is "{len(values)}", there are {len(values)} frames', ["--frame", str(len(values))])
+    refused(path, 2, f'numbered from 0 to {len(values) - 1}; --frame is "{len(values)}"', ["--frame", str(len(values))])
     refused(path, 2, '--frame is "-1"', ["--frame=-1"])
 
 
