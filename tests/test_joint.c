@@ -139,6 +139,7 @@ TEST(stored_histograms_come_back_and_foreign_ones_are_refused)
         assert_ok(iso_joint_load(dir, &(iso_joint_key){1, bits, ISO_SECOND_VALUE_NONE}, &j.z, &j.s, j.voxel_count,
                                  &back, &err));
         assert_same_joint(&j, &back);
+        iso_joint_destroy(&back);
         assert_status(iso_joint_load(dir, &(iso_joint_key){1, bits, ISO_SECOND_VALUE_NONE}, &j.z, &j.s,
                                      j.voxel_count + 1, &back, &err),
                       ISO_E_FORMAT);

@@ -236,6 +236,7 @@ TEST(csv_survives_and_bad_ones_are_refused)
     assert_ok(iso_palette_load_csv(path, &q, &err));
     assert_int_equal(p.count, q.count);
     assert_memory_equal(p.xyz, q.xyz, 3 * p.count * sizeof *p.xyz);
+    iso_palette_destroy(&q);
     const char *const bad[] = {"",
                                "index,x,y,z\n",
                                "a,b\n0,0,0,0\n",

@@ -66,6 +66,7 @@ static void refuse(const char *name, size_t keep_bytes, long flip_at, iso_status
     iso_remove_tree(dir); /* a folder that was changed is not replaced */
     assert_ok(iso_pyramid_save(&p, dir, &err));
     assert_ok(iso_pyramid_load(dir, &q, &err));
+    iso_pyramid_destroy(&q);
     path = iso_path_join(dir, name);
     assert_ok(iso_file_read(path, &data, &size, &err));
     if (flip_at >= 0)
