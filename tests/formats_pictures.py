@@ -86,6 +86,12 @@ def pictures_of_colors():
     vtk_write(vtk.vtkPNGWriter(), vtk_image(red[:1].copy()), "of_grays/overview.png")  # of the slices' size
     got = run("info", "of_grays", *say)
     expect(got.returncode == 0 and "11 x 13 x 7" in got.stdout and "of_grays/overview.png is left out" in got.stderr, got.stderr)
+    os.mkdir("of_two")
+    for i, name in enumerate(("a1", "a2", "b1", "b2")):
+        vtk_write(vtk.vtkPNGWriter(), vtk_image(red[i:i + 1].copy()), f"of_two/{name}.png")
+    for folder, is_two in ("of_two", True), ("of_grays", False):
+        warning = run("info", folder, *say).stderr
+        expect(("named a#.png and b#.png are read as one volume" in warning) == is_two, warning)
     os.remove("of_grays/slice10.png")
     refused("of_grays", 4, "number 10 is missing between slice9.png and slice11.png", say)
 

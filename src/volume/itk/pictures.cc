@@ -492,6 +492,11 @@ private:
                 warning = slices_[i].path + " is left out: its name is not like those of the slices";
                 slices_.erase(slices_.begin() + static_cast<long>(i));
             }
+        std::map<std::string, size_t> others;
+        for (const auto &s : slices_)
+            if (!has_pattern(s.path) && ++others[pattern_of(s.path)] == 2 && warning.empty())
+                warning = "slices named " + pattern + " and " + pattern_of(s.path) +
+                          " are read as one volume; others need a folder of their own";
     }
 
     void check(const std::string &folder) const
